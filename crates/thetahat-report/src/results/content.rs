@@ -20,8 +20,7 @@ use thetahat_model::robot::{LockedJoint, RobotFile};
 /// Version of the form of `results.json`: it grows where a program of before would misread the file.
 pub const SCHEMA: u32 = 1;
 
-/// Name of the case without errors of the simulator.
-pub const NOMINAL: &str = "nominal";
+pub use thetahat_estimation::simulation::NOMINAL;
 
 /// What an experiment gives: the content of `results.json`, and the curves of the report.
 #[derive(Debug, Clone, Serialize, Deserialize)]

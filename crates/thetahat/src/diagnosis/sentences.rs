@@ -220,7 +220,7 @@ fn short(value: f64) -> String {
     format!("{rounded}")
 }
 
-/// The bootstrap knows no probability below that of one of its draws and the record itself.
+/// The bootstrap knows no probability below that of one of its draws and the recording itself.
 fn bootstrap_p_value(test: &BiasedSimulatorResult) -> String {
     let least = 1.0 / (test.draws + 1) as f64;
     if test.p_value > least { format!("p = {}", short(test.p_value)) } else { format!("p <= {}", short(least)) }

@@ -1,4 +1,4 @@
-//! What CLIE and CLOE estimate of the loop beside the robot's parameters.
+//! What CLIE and CLOE estimate of the loop in addition to the robot's parameters.
 
 use std::borrow::Cow;
 
@@ -48,7 +48,7 @@ impl LoopParameter {
     }
 }
 
-/// The quantities of the loop that are estimated, in the order of the estimate behind the robot's parameters: logarithms of
+/// The quantities of the loop that are estimated, in the order of the estimate after the robot's parameters: logarithms of
 /// factors, and a delay in s. Zeros leave the loop as it is described.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct LoopParameters(Vec<SensitiveTo>);
@@ -146,7 +146,7 @@ mod tests {
         LoopParts { controller: Cow::Borrowed(controller), transmission, bias: SimulatorBias::NONE }
     }
 
-    /// Gains by bandwidth and gains as stated give the same signal, before and behind a factor.
+    /// Gains by bandwidth and gains as stated give the same signal, before and after a factor.
     #[test]
     fn one_motors_gain_is_multiplied_and_the_other_stays() {
         let description = ControllerDescription::pd(10.0);

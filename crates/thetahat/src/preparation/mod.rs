@@ -13,7 +13,6 @@
 //! assert!(matches!(error, PreparationError::Missing { missing: "[controller]", .. }));
 //! ```
 
-mod bandwidth;
 mod consistent_set;
 mod error;
 mod filtered;
@@ -45,7 +44,7 @@ pub use physical::{Axis, KnownQuantity, PriorKind, PriorOptions, PriorWeight, Va
 pub(crate) use problem::Problem;
 pub(crate) use proposed_controller::{ProposedController, is_iv, propose_controller};
 pub use recording::Recording;
-pub(crate) use reference::RecordedReference;
+pub(crate) use reference::{FoundPeriod, RecordedReference};
 pub use reference_correction::ReferenceCorrection;
 pub use settings::{
     Case, EstimationOptions, Gains, Mask, NamedChoice, NamedMask, ParameterChoice, ParameterSelection, Settings,

@@ -13,7 +13,6 @@ use thetahat_estimation::{
     identification::{Assembly, Elimination, Fit, RowMask, eliminate, idim_ls, nested_f_test},
     regression::{Regression, RowLayout},
     signal::{Decimator, SignalError},
-    simulation::SimulatedMotion,
     statistics::FTest,
 };
 use thetahat_ground::series::Series;
@@ -22,7 +21,6 @@ use thetahat_model::{
     consistency::{ConsistencyError, ConsistentSet},
     dynamics::Model,
 };
-use thetahat_report::results::{EliminationResult, RunPlots};
 
 /// The regression of one friction model.
 pub(crate) struct Problem {
@@ -34,7 +32,7 @@ pub(crate) struct Problem {
     pub(crate) elimination: Option<Elimination>,
     /// The parallel filter of each recording.
     pub(crate) decimators: Vec<Decimator>,
-    /// The samples of each recording that make no rows because a joint is near rest; none where all make rows.
+    /// The samples of each recording that make no rows because a joint is near rest; none if all make rows.
     pub(crate) masks: Vec<Option<Arc<RowMask>>>,
     /// The rows without weights.
     pub(crate) regression: Regression,
@@ -195,24 +193,9 @@ impl Problem {
         (0..self.model.coordinate_count()).map(|j| of_recording(j).collect()).collect()
     }
 
-    /// Curves of a prediction.
-    pub(crate) fn plots(&self, prediction: &[f64], simulated: &[SimulatedMotion]) -> RunPlots {
-        let positions: Vec<&Series> = simulated.iter().map(|m| &m.q).collect();
-        RunPlots {
-            predicted: self.regression.layout.by_joint(prediction),
-            simulated_position: if positions.is_empty() { Vec::new() } else { self.at_rows(&positions) },
-            ..RunPlots::default()
-        }
-    }
-
     /// The F-test of a fit of the estimated parameters against all base parameters by least squares, where they are fewer.
     pub(crate) fn full_model_test(&self, fit: &Fit) -> Option<FTest> {
         full_model_test(self.full.as_ref()?, fit)
-    }
-
-    /// What is told of the elimination.
-    pub(crate) fn elimination_result(&self) -> Option<EliminationResult> {
-        self.elimination.as_ref().map(|e| named_elimination(e, &self.base))
     }
 }
 
@@ -237,14 +220,4 @@ fn with_shares(
 /// The F-test of a fit against least squares with all columns.
 fn full_model_test(full: &Regression, fit: &Fit) -> Option<FTest> {
     nested_f_test(full, fit, &idim_ls(full, Default::default()).ok()?)
-}
-
-/// An elimination with the names of base parameters.
-fn named_elimination(elimination: &Elimination, base: &BaseParameters) -> EliminationResult {
-    let names = |columns: &[usize]| columns.iter().map(|&c| base.parameters()[c].name.clone()).collect();
-    EliminationResult {
-        kept: names(&elimination.kept),
-        eliminated: names(&elimination.eliminated),
-        f_test: elimination.f_test,
-    }
 }

@@ -36,10 +36,10 @@ pub enum ReductionError {
     /// The results that give the estimates cannot be read.
     #[error(transparent)]
     Results(#[from] ResultsError),
-    /// A record has time steps that are not equal.
+    /// A recording has time steps that are not equal.
     #[error(
         "recording {recording}: the step to sample {sample} is {found:e} s, expected {expected:e} s within a thousandth; \
-         a long record is not brought to equal steps: export it at equal steps, or use `thetahat identify`"
+         a long recording is not brought to equal steps: export it at equal steps, or use `thetahat identify`"
     )]
     UnequalSteps {
         /// The recording.
@@ -51,9 +51,9 @@ pub enum ReductionError {
         /// The step found, s.
         found: f64,
     },
-    /// A record has gaps.
+    /// A recording has gaps.
     #[error(
-        "recording {recording}: {gaps} gaps, the first at sample {sample}; a reduction takes records without gaps: cut the record \
+        "recording {recording}: {gaps} gaps, the first at sample {sample}; a reduction takes recordings without gaps: cut the recording \
          there, or use `thetahat identify`"
     )]
     Gaps {
@@ -116,9 +116,9 @@ pub enum ReductionError {
         /// Why.
         source: Box<ReductionError>,
     },
-    /// A long record has no reference that can be read in pieces.
+    /// A long recording has no reference that can be read in pieces.
     #[error(
-        "recording {recording}: instruments for a long record follow its recorded reference: name it as `reference`, or \
+        "recording {recording}: instruments for a long recording follow its recorded reference: name it as `reference`, or \
          use `thetahat identify`"
     )]
     NoReference {
@@ -175,8 +175,8 @@ pub enum ReductionError {
     },
     /// The file is of another version of its form.
     #[error(
-        "{}: a reduction of form {found}, this program reads form {form} alone, which holds the findings of the checks and what \
-         tells samples that two recordings share; run `thetahat reduce` again",
+        "{}: a reduction of form {found}, this program reads form {form} alone, which holds the findings of the checks and the \
+         marks of samples that two recordings may share; run `thetahat reduce` again",
         path.display()
     )]
     Version {

@@ -120,7 +120,7 @@ pub(super) fn coarsened(mut segments: Vec<Segment>, most: usize) -> Vec<Segment>
 pub(super) struct JointColumns {
     /// For each joint: the channel of each base parameter that acts on it, and last the channel of its torque.
     pub channels: Vec<Vec<usize>>,
-    /// The channel of the first joint's mask, before those of the others; none where every sample makes rows.
+    /// The channel of the first joint's mask, before those of the others; none if every sample makes rows.
     pub mask: Option<usize>,
 }
 
@@ -212,7 +212,7 @@ pub(super) struct Accumulator<'a> {
 }
 
 impl<'a> Accumulator<'a> {
-    /// For a recording's rows behind its decimator. The length of the segments follows from their number.
+    /// For a recording's rows after its decimator. The length of the segments follows from their number.
     pub(super) fn new(columns: JointColumns, decimator: &'a Decimator) -> Self {
         let length = rows_of_segment(decimator.rows());
         let current = Self::empty(&columns);

@@ -252,7 +252,7 @@ impl KeptHeader {
         }
     }
 
-    /// Rows of each joint; none where they are more than can be counted.
+    /// Rows of each joint; none if they are more than can be counted.
     fn rows(&self) -> Option<usize> {
         match self {
             Self::All { rows, .. } => Some(*rows),
@@ -310,7 +310,7 @@ fn content(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The bytes up to a line's end, and those behind it.
+/// The bytes up to a line's end, and those after it.
 fn line(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let end = memchr::memchr(b'\n', bytes)?;
     Some((&bytes[..end], &bytes[end + 1..]))
@@ -337,7 +337,7 @@ fn matrix(
     matrix
 }
 
-/// The sum of counts; none where one is none, or they are more than can be counted.
+/// The sum of counts; none if one is none, or they are more than can be counted.
 fn total_of(counts: impl IntoIterator<Item = Option<usize>>) -> Option<usize> {
     counts.into_iter().try_fold(0_usize, |sum, count| sum.checked_add(count?))
 }

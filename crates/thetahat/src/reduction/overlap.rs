@@ -20,7 +20,7 @@ const NUMBERS: usize = 12;
 /// Samples of a mark at the most.
 const MOST_SAMPLES: usize = 6;
 
-/// A sample, counted in its record, with the hash of its values.
+/// A sample, counted in its recording, with the hash of its values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Mark(u64, u64);
 
@@ -30,7 +30,7 @@ pub struct Marks(Vec<Mark>);
 
 impl Marks {
     /// Adds the marks that start in `own`, a range of the given series, of which `end` is the last sample that may be used;
-    /// `first` is the place of the series in the record.
+    /// `first` is the place of the series in the recording.
     pub(super) fn add(&mut self, [position, torque]: [&Series; 2], own: Range<usize>, (first, end): (usize, usize)) {
         let samples = NUMBERS.div_ceil(2 * position.channels()).min(MOST_SAMPLES);
         let moves = |k: &usize| position.sample(*k) != position.sample(*k + 1);
@@ -57,7 +57,7 @@ impl Marks {
         self.0.truncate(MARKS);
     }
 
-    /// By how many samples the same samples are later in this recording than in another one; none where none are shared.
+    /// By how many samples the same samples are later in this recording than in another one; none if none are shared.
     pub(super) fn shift_from(&self, other: &Self) -> Option<i64> {
         let mut shifts = Vec::new();
         let mut theirs = other.0.iter().peekable();

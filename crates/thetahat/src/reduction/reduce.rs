@@ -76,7 +76,7 @@ impl Experiment {
     /// The same with instruments, for IDIM-IV: the observation matrix of the closed loop simulated with base parameters of
     /// these names; those that are not named are zero.
     ///
-    /// A record that is read in pieces is simulated in pieces along its recorded reference, each from 2 s before it; one
+    /// A recording that is read in pieces is simulated in pieces along its recorded reference, each from 2 s before it; one
     /// that is read whole is simulated as [`Experiment::run`] does.
     ///
     /// # Errors
@@ -102,15 +102,15 @@ impl Experiment {
         let recordings = self.file.recording.len().max(1);
         for (i, description) in self.file.recording.iter().enumerate() {
             let source = Source::open(self, description, (i + 1, data), reducer.theta.is_some())?;
-            let mut tell = |done, to_do| progress(ReduceProgress { recording: i + 1, recordings, done, to_do });
-            let reduced = reducer.recording(&source, Some(description), &mut tell)?;
+            let mut report = |done, to_do| progress(ReduceProgress { recording: i + 1, recordings, done, to_do });
+            let reduced = reducer.recording(&source, Some(description), &mut report)?;
             let examined = examiner.examine(&source, (i + 1, data), &reduced)?;
             reduction.add(reduced.examined(examined))?;
         }
         if let Some(twin) = &self.file.twin {
             let source = Source::of_recording(self, self.simulate_twin(twin)?);
-            let mut tell = |done, to_do| progress(ReduceProgress { recording: 1, recordings, done, to_do });
-            let reduced = reducer.recording(&source, None, &mut tell)?;
+            let mut report = |done, to_do| progress(ReduceProgress { recording: 1, recordings, done, to_do });
+            let reduced = reducer.recording(&source, None, &mut report)?;
             let examined = examiner.examine(&source, (1, data), &reduced)?;
             reduction.add(reduced.examined(examined))?;
         }
@@ -153,7 +153,7 @@ struct Taken<'a> {
     has_torque: bool,
     /// Samples of each coordinate that make no rows.
     left_out: Vec<usize>,
-    /// Simulated positions behind the last sample.
+    /// Simulated positions after the last sample.
     seam: Option<Vec<f64>>,
 }
 
@@ -212,13 +212,13 @@ impl<'a> Reducer<'a> {
         &mut self,
         source: &Source<'_>,
         description: Option<&RecordingDescription>,
-        tell: &mut dyn FnMut(usize, usize),
+        report: &mut dyn FnMut(usize, usize),
     ) -> Result<ReducedRecording, ReductionError> {
         let pieces = Pieces::new(self.experiment, source, self.options.piece_samples)?;
         let own = description.map_or([None, None], |d| [d.window_start_s, d.window_end_s]);
         let signal = self.experiment.settings.signal.in_window(own);
         let jumps = self.jumps();
-        let surveyed = Survey::new(&pieces, self.options.threads, tell).run(&signal, !jumps.is_empty())?;
+        let surveyed = Survey::new(&pieces, self.options.threads, report).run(&signal, !jumps.is_empty())?;
         let Surveyed { window, near_rest, pieces: mut before } = surveyed;
         let decimator = signal.decimator(window.len()).map_err(|e| refuse(self.experiment, e))?;
         let simulated = |theta: &Vec<f64>| {
@@ -236,7 +236,7 @@ impl<'a> Reducer<'a> {
                 simulated: simulated.as_ref(),
                 mask: mask.as_ref(),
             };
-            let taken = self.take_all(&rows, &mut before, tell)?;
+            let taken = self.take_all(&rows, &mut before, report)?;
             match mask.as_ref().and_then(|mask| mask.after(&taken.left_out)) {
                 None => break taken,
                 Some(next) => mask = Some(next),
@@ -267,12 +267,12 @@ impl<'a> Reducer<'a> {
         })
     }
 
-    /// Takes the rows of all pieces, behind so many pieces that were read before.
+    /// Takes the rows of all pieces, after so many pieces that were read before.
     fn take_all<'r>(
         &self,
         rows: &Rows<'r>,
         before: &mut usize,
-        tell: &mut dyn FnMut(usize, usize),
+        report: &mut dyn FnMut(usize, usize),
     ) -> Result<Taken<'r>, ReductionError> {
         let Rows { pieces, decimator, simulated, .. } = *rows;
         let parts = pieces.parts(decimator, self.experiment.settings.signal.decimation, rows.channels().count());
@@ -281,7 +281,7 @@ impl<'a> Reducer<'a> {
         in_order(parts.len(), self.options.threads, work, |number, piece| {
             let start = rows.window.start + decimator.samples_of(&parts[number]).start;
             taken.take(piece?, simulated, start)?;
-            tell(*before + number + 1, *before + parts.len());
+            report(*before + number + 1, *before + parts.len());
             Ok::<(), ReductionError>(())
         })?;
         *before += parts.len();

@@ -26,7 +26,7 @@ pub(super) struct Rows<'a> {
     pub regressor: &'a Regressor,
     /// The simulation of the instruments.
     pub simulated: Option<&'a Simulated<'a>>,
-    /// Which samples make no rows; none where all do.
+    /// Which samples make no rows; none if all do.
     pub mask: Option<&'a NearRestMask>,
 }
 
@@ -40,7 +40,7 @@ pub(super) struct Piece {
     pub has_torque: bool,
     /// Samples of each coordinate that make no rows.
     pub left_out: Vec<usize>,
-    /// Simulated positions at the first sample, and at the one behind the last.
+    /// Simulated positions at the first sample, and at the one after the last.
     pub seam: Option<(Vec<f64>, Option<Vec<f64>>)>,
 }
 

@@ -14,7 +14,7 @@ use thetahat_ground::series::Series;
 const POSITION: usize = 0;
 const TORQUE: usize = 1;
 
-/// Samples up to which a record is read whole where its steps must be made equal.
+/// Samples up to which a recording is read whole where its steps must be made equal.
 const SHORT: usize = 1 << 20;
 
 /// Stamps that are looked at at a time.
@@ -117,7 +117,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The record, where it is in memory.
+    /// The recording, where it is in memory.
     pub(super) fn recording(&self) -> Option<&Recording> {
         match &self.values {
             Values::Whole(record) => Some(record),
@@ -125,7 +125,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The recorded reference of the joints, put right where that is asked for, and the added signal in a range of samples, of a record that is read in pieces.
+    /// The recorded reference of the joints, put right where that is asked for, and the added signal in a range of samples, of a recording that is read in pieces.
     pub(super) fn reference(&self, range: Range<usize>) -> Result<(Series, Option<Series>), ReductionError> {
         let missing = || ReductionError::NoReference { recording: self.name.clone() };
         let (Values::Pieces { description, .. }, Some(place)) = (&self.values, self.places.reference) else {
@@ -145,7 +145,7 @@ impl<'a> Source<'a> {
         Ok((cut(&corrected), read.next().map(|added| cut(&added))))
     }
 
-    /// A part of the record, with positions and torques alone.
+    /// A part of the recording, with positions and torques alone.
     pub(super) fn excerpt(&self, range: Range<usize>) -> Result<Recording, ReductionError> {
         let (position, torque) = self.motion(range)?;
         let is_geared = |description: &RecordingDescription| {
@@ -165,7 +165,7 @@ impl<'a> Source<'a> {
         })
     }
 
-    /// All of the record, as an identification reads it.
+    /// All of the recording, as an identification reads it.
     pub(super) fn complete(&self, number: usize, data: &Path) -> Result<Recording, ReductionError> {
         match &self.values {
             Values::Whole(record) => Ok(Recording::clone(record)),
@@ -178,7 +178,7 @@ impl<'a> Source<'a> {
         &self.file
     }
 
-    /// A record that is in memory.
+    /// A recording that is in memory.
     pub(super) fn of_recording(experiment: &'a Experiment, recording: Recording) -> Self {
         Self {
             experiment,

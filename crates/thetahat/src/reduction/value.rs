@@ -83,7 +83,7 @@ pub struct ReducedRecording {
     pub window_s: [f64; 2],
     /// Time for which its torques hold, s, over which they were centred; zero where they were measured at their instants.
     pub torque_hold_s: f64,
-    /// Samples near rest that make no rows; none where all make rows.
+    /// Samples near rest that make no rows; none if all make rows.
     pub near_rest: Option<NearRestResult>,
     /// True base parameters, for a twin.
     pub truth: Option<Vec<f64>>,
@@ -91,7 +91,7 @@ pub struct ReducedRecording {
     pub findings: Vec<Finding>,
     /// Parts in which the checks looked at it, one by one.
     pub examined_parts: usize,
-    /// What is left out in turn; none where it was not examined as a whole.
+    /// What is left out in turn; none if it was not examined as a whole.
     pub folds: Option<RecordingFolds>,
     /// Its rows, or their factors.
     pub kept: KeptRows,

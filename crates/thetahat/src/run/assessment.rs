@@ -106,7 +106,7 @@ impl Assessment<'_> {
             correlation: correlations.into_iter().take(of_robot).map(|row| row[..of_robot].to_vec()).collect(),
             numbers: curves::numbers(&problem.model, &problem.estimated),
             a_priori: curves::a_priori(self.data.setup().robot, &problem.model, &problem.estimated),
-            ..problem.plots(&torque, motions)
+            ..curves::of_prediction(problem, &torque, motions)
         }
     }
 
@@ -194,7 +194,7 @@ impl Assessment<'_> {
         let problem = setup.validation_problem(self.case, &recordings, &self.job.problem.estimated)?;
         let regression = &problem.regression;
         let prediction = regression.x.times(self.of_robot(fit));
-        // The error of a run that fits positions is of positions: that of its torques does not belong beside it.
+        // The error of a run that fits positions is of positions: that of its torques does not belong there.
         if !run.is_of_positions() {
             run.cross_validation_relative_error_percent = Some(relative_error_percent(&regression.y, &prediction));
             run.findings.extend(no_predictive_power(setup.robot, regression, &prediction, Data::HeldBack));

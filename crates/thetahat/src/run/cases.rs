@@ -8,6 +8,7 @@ use super::{
     estimation_data::EstimationData,
     examination::{ExaminationModel, compare, examine, examine_robot, with_note},
     identification::{CaseProblem, Identification},
+    parameters::elimination_result,
     prepared::{PreparedRecording, filtered},
     uncertain,
 };
@@ -45,7 +46,7 @@ impl Identification {
         self.run_with_progress(&mut |_| {})
     }
 
-    /// The same; `progress` is told what is being done.
+    /// The same; `progress` is called with what is being done.
     ///
     /// # Errors
     /// As [`Identification::run`].
@@ -93,12 +94,12 @@ impl Identification {
         let options = RunOptions { iteration: estimation.iteration(), motion_step: Some(1), threads: self.threads };
         let mut assessed: Vec<Option<(RunResult, MethodEstimate)>> = all.iter().map(|_| None).collect();
         let (done, stopwatch) = (Cell::new(0), Stopwatch::start());
-        let mut tell = |simulations| {
+        let mut report = |simulations| {
             let (done, of) = (done.get(), all.len());
             let left = time_left(stopwatch.seconds(), done, of);
             progress(&format!("{done} of {of} estimates{left}, {simulations} simulations side by side"));
         };
-        run_all(&jobs, options, &mut tell, &mut |k, finished| {
+        run_all(&jobs, options, &mut report, &mut |k, finished| {
             done.set(done.get() + 1);
             let assessment = Assessment { data: EstimationData::Samples(self), case: &cases[all[k].0], job: &jobs[k] };
             let (mut run, estimated) = assessment.assess(finished)?;
@@ -123,7 +124,7 @@ impl Identification {
     }
 
     /// IV of the nominal case once more, where it did not converge in the loop that is described or along the reference that is
-    /// recorded: a guess of a loop along the motion is enough for it. None where that does not converge either.
+    /// recorded: a guess of a loop along the motion is enough for it. None if that does not converge either.
     fn again_along_the_motion(
         &self,
         (problem, case): (&CaseProblem, &Case),
@@ -205,7 +206,7 @@ impl Identification {
             seed: None,
             excluded_parameters: self.setup().settings.parameters.exclude.clone(),
             fixed_parameters: self.setup().settings.parameters.fix.clone(),
-            elimination: problem.elimination_result(),
+            elimination: elimination_result(problem),
             unmasked_comparison: self.unmasked_comparison(problem, &runs)?,
             profiled_terms: self.profiled.clone(),
             term_comparison: None,

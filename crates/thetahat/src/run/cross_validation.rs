@@ -15,7 +15,7 @@ const FEWEST_MOVES: usize = 3;
 /// Fewest recordings of which one can be left out: the others must identify all parameters.
 const FEWEST_RECORDINGS: usize = 2;
 
-/// Parts of a record that is left out in pieces, where it has no moves that are known.
+/// Parts of a recording that is left out in pieces, where it has no moves that are known.
 const PARTS: usize = 5;
 
 /// The part, of five equal ones, to which each decimated row of a joint belongs.
@@ -35,7 +35,7 @@ fn folds_by_recording(recordings: Vec<usize>) -> Option<Vec<usize>> {
     (count >= FEWEST_RECORDINGS).then_some(recordings)
 }
 
-/// The move, from zero, to which each decimated row of a joint belongs: the last one that has started. None where the rows
+/// The move, from zero, to which each decimated row of a joint belongs: the last one that has started. None if the rows
 /// belong to fewer than three.
 fn folds_by_move(moves: &Moves, times: &[f64]) -> Option<Vec<usize>> {
     let starts: Vec<f64> = moves.moves().iter().map(|m| m.law.start_s).collect();
@@ -105,7 +105,7 @@ pub(super) struct CrossValidation {
     pub(super) theta: Vec<Vec<f64>>,
 }
 
-/// Leaves each fold out in turn, estimates from the others with the instruments or sensitivities at hand, and predicts the
+/// Leaves each fold out in turn, estimates from the others with the instruments or sensitivities given, and predicts the
 /// one left out.
 pub(super) fn leave_folds_out(
     regression: &Regression,
@@ -243,9 +243,9 @@ impl Equations {
 /// For each fold a triangle that stands for the rows of all others: as many rows as parameters, along the columns of Z, or
 /// of X where there is none. What is across them has no part in an estimate.
 struct WithoutEach {
-    /// Those of the folds before each, and behind it.
+    /// Those of the folds before each, and after it.
     before: Vec<Matrix>,
-    behind: Vec<Matrix>,
+    after: Vec<Matrix>,
     parameters: usize,
 }
 
@@ -258,13 +258,13 @@ impl WithoutEach {
         let each: Vec<Matrix> = (0..folds).map(of_fold).collect();
         let nothing = Matrix::zeros(0, rows.columns());
         let before = sums(each.iter(), &nothing, parameters);
-        let mut behind = sums(each.iter().rev(), &nothing, parameters);
-        behind.reverse();
-        Self { before, behind, parameters }
+        let mut after = sums(each.iter().rev(), &nothing, parameters);
+        after.reverse();
+        Self { before, after, parameters }
     }
 
     fn triangle(&self, fold: usize) -> Matrix {
-        triangle(&[&self.before[fold], &self.behind[fold]], self.parameters)
+        triangle(&[&self.before[fold], &self.after[fold]], self.parameters)
     }
 }
 

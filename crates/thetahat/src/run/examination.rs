@@ -91,14 +91,14 @@ fn subject_of<'a>(
     }
 }
 
-/// What the checks find in the robot's description, under its name; none where that is nothing.
+/// What the checks find in the robot's description, under its name; none if that is nothing.
 pub(crate) fn examine_robot(robot: &Robot) -> Option<RecordingFindings> {
     let findings = checks::examine_robot(robot);
     let recording = format!("robot {}", robot.name);
     (!findings.is_empty()).then_some(RecordingFindings { recording, held_back: false, findings })
 }
 
-/// What the checks find in recordings beside one another: those to identify from, and those held back.
+/// What the checks find in recordings compared with one another: those to identify from, and those held back.
 pub(crate) fn compare(
     setup: Setup<'_>,
     [main, held_back]: [&[PreparedRecording]; 2],

@@ -58,7 +58,7 @@ impl CaseProblem {
         Self { friction, problem, joint_weights: OnceLock::new() }
     }
 
-    /// The weight of each row: that of its recording, and where the method asks for it that of its joint. None where all
+    /// The weight of each row: that of its recording, and where the method asks for it that of its joint. None if all
     /// are one.
     pub(crate) fn weights(&self, settings: &Settings, method: Method, of_recordings: &[f64]) -> Option<Vec<f64>> {
         let regression = &self.problem.regression;
@@ -119,7 +119,7 @@ impl Identification {
         Ok(identification)
     }
 
-    /// The same on so many threads instead of one for each processor, as where several robots are identified at a time. The results
+    /// The same with a given number of threads instead of one for each processor, as where several robots are identified at a time. The results
     /// do not depend on their number.
     #[must_use]
     pub fn on_threads(self, threads: usize) -> Self {

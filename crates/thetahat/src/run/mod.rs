@@ -16,6 +16,7 @@
 //! ```
 
 mod assessment;
+mod bandwidth;
 mod cases;
 mod column_source;
 mod consistent_data;
@@ -47,8 +48,8 @@ mod user_estimators;
 pub(crate) use cross_validation::Folds;
 pub(crate) use curves::skeleton_in;
 pub(crate) use examination::{ExaminationModel, check_recordings, compare, examine, examine_robot};
-pub(crate) use identification::{CaseProblem, explain};
 pub use identification::Identification;
+pub(crate) use identification::{CaseProblem, explain};
 pub(crate) use prediction::{Identified, predict_torques};
 pub(crate) use prepared::PreparedRecording;
 pub use profiled_robot::with_constants;

@@ -38,7 +38,7 @@ pub(super) fn not_physical(
     findings
 }
 
-/// What a parameter that no robot has below zero is called; none for those of links and loads.
+/// What a parameter that cannot be negative is called; none for those of links and loads.
 fn what_is(table: &ParameterTable, parameter: &BaseParameter) -> Option<&'static str> {
     match table.get(parameter.kept).quantity.role() {
         Role::MotorInertia => Some("motor inertia"),
@@ -97,7 +97,7 @@ fn more_than_noise(conditions: usize) -> f64 {
     t_quantile(1.0 - CHANCE / conditions.max(1) as f64, f64::MAX).unwrap_or(f64::INFINITY)
 }
 
-/// Links and whatever else no robot can have together.
+/// Links and whatever else is physically impossible together.
 fn outside(table: &ParameterTable, physical: &PhysicalResult, limit: f64, asked: bool) -> Option<Finding> {
     let lacking = |(name, lacking): (&String, &f64)| {
         let unit = table.index_of(name).map_or("kg m^2", |i| &*table.get(i).unit);

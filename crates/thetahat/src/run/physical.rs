@@ -17,7 +17,7 @@ use thetahat_model::consistency::{
 };
 use thetahat_report::results::{ConsistencyTest, ConsistentEstimate, ConsistentParameter, PhysicalResult, RunResult};
 
-/// Accuracy with which what an estimate lacks is told.
+/// Accuracy with which what an estimate lacks is computed.
 const EXAMINATION_GAP: f64 = 1e-3;
 /// Margin, in usual values, below which a condition counts as at its boundary.
 const AT_BOUNDARY: f64 = 1e-3;

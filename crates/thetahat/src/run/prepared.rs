@@ -1,7 +1,9 @@
 use super::cross_validation::Folds;
-use crate::preparation::{FilteredRecording, PreparationError, Problem, RecordedReference, Recording, Setup};
-use thetahat_estimation::signal::Decimator;
-use thetahat_report::results::{NearRestResult, RecordingResult};
+use crate::preparation::{
+    FilteredRecording, FoundPeriod, PreparationError, Problem, RecordedReference, Recording, Setup,
+};
+use thetahat_estimation::{signal::Decimator, simulation::Reference};
+use thetahat_report::results::{NearRestResult, PeriodicResult, RecordingResult, ReferenceResult};
 
 /// A recording ready for every case: filtered, with its reference where a method or report needs one.
 pub(crate) struct PreparedRecording {
@@ -42,9 +44,29 @@ impl PreparedRecording {
             torque_ends_hz: self.filtered.torque_ends_hz(),
             torque_hold_s: recording.torque_hold_s,
             near_rest: near_rest(&self.filtered, problem),
-            reference: self.reference.as_ref().map(|r| r.describe(&self.filtered)),
+            reference: self.reference.as_ref().map(|r| reference_result(r, &self.filtered)),
         }
     }
+}
+
+/// The reference of a recording, and how far the motion is from it.
+fn reference_result(found: &RecordedReference, filtered: &FilteredRecording) -> ReferenceResult {
+    let moves = match &found.reference {
+        Reference::Moves(moves) => Some(moves.moves().len()),
+        Reference::Sampled(_) | Reference::Periodic(_) => None,
+    };
+    ReferenceResult {
+        origin: found.origin.to_owned(),
+        moves,
+        periodic: found.periodic.map(periodic_result),
+        smoothing_cutoff_hz: found.smoothing_cutoff_hz,
+        rms_deviation: found.rms_deviation(filtered),
+    }
+}
+
+fn periodic_result(found: FoundPeriod) -> PeriodicResult {
+    let FoundPeriod { base_frequency_hz, harmonics, degree, periods, stretch_s } = found;
+    PeriodicResult { base_frequency_hz, harmonics, degree, periods, stretch_s }
 }
 
 /// The samples near rest that a recording leaves out.

@@ -6,6 +6,7 @@ use super::{
     estimation_data::EstimationData,
     examination::{examine_robot, with_note},
     identification::CaseProblem,
+    parameters::elimination_result,
     uncertain,
 };
 use crate::{
@@ -177,7 +178,7 @@ impl<'a> ReducedIdentification<'a> {
             seed: None,
             excluded_parameters: setup.settings.parameters.exclude.clone(),
             fixed_parameters: setup.settings.parameters.fix.clone(),
-            elimination: self.problem.problem.elimination_result(),
+            elimination: elimination_result(&self.problem.problem),
             unmasked_comparison: None,
             profiled_terms: Vec::new(),
             term_comparison: None,

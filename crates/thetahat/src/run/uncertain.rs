@@ -28,7 +28,7 @@ pub(super) fn of_runs(setup: Setup<'_>, problem: &Problem, runs: &[RunResult]) -
     note(setup, problem, run.method, &run.parameters)
 }
 
-/// The note on estimates of a method; none where all are certain.
+/// The note on estimates of a method; none if all are certain.
 pub(super) fn note(
     setup: Setup<'_>,
     problem: &Problem,
@@ -78,13 +78,13 @@ fn remedy(setup: Setup<'_>, problem: &Problem) -> String {
 /// What leaving out the parameters that are not essential would do.
 struct Trial {
     eliminated: usize,
-    /// Relative errors of predicted fifths of the record, percent: with all parameters, and with the essential ones.
+    /// Relative errors of predicted fifths of the recording, percent: with all parameters, and with the essential ones.
     whole: f64,
     essential: f64,
 }
 
 impl Trial {
-    /// None where nothing would be left out, or the fifths do not separate the parameters.
+    /// None if nothing would be left out, or the fifths do not separate the parameters.
     fn new(setup: Setup<'_>, problem: &Problem) -> Option<Self> {
         let regression = &problem.regression;
         if norm(&regression.y) == 0.0 || !regression.is_in_time_order {
