@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn five_percent_of_the_draws_and_the_record_are_above_the_threshold() {
+    fn five_percent_of_the_draws_and_the_recording_are_above_the_threshold() {
         let statistics: Vec<f64> = (1..=DRAWS).map(|k| k as f64).collect();
         assert_eq!((DRAWS, threshold(&statistics)), (199, Some(190.0)));
         let unbounded: Vec<f64> = (1..=DRAWS).map(|k| if k < 190 { 1.0 } else { f64::INFINITY }).collect();

@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn a_motion_is_told_from_noise_of_any_correlation() {
+    fn a_motion_is_distinguished_from_noise_of_any_correlation() {
         for (seed, correlation) in (0..200).flat_map(|seed| [0.0, 0.5, 0.9].map(|c| (seed, c))) {
             let noise = of(&regression(seed, correlation, 0.0));
             assert!(noise.is_by_chance(), "seed {seed}, {correlation}: {noise:?}");

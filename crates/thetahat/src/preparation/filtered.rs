@@ -21,7 +21,7 @@ pub(crate) const MOVING: f64 = 0.01;
 /// Peak velocity in rad/s or m/s below which a joint counts as still.
 pub(crate) const STILL: f64 = 1e-3;
 /// Periods of the position filter's cut-off that are cut at both ends of a recording: the reach of its transient, where a
-/// record starts or ends in motion.
+/// recording starts or ends in motion.
 const EDGE_PERIODS: f64 = 5.0;
 /// Longest gap that is bridged, in periods of the cut-off: the motion lies a factor of five below.
 const SHORT_PERIODS: f64 = 0.5;
@@ -114,7 +114,7 @@ impl Setup<'_> {
     pub(crate) fn require_periods(&self, samples: usize, sample_rate_hz: f64) -> Result<(), PreparationError> {
         let cutoff_hz = self.settings.signal.cutoff_hz;
         let slowest = FEWEST_PERIODS * sample_rate_hz / samples as f64;
-        let expected = format!("at least {slowest:.3}, {FEWEST_PERIODS} periods in the record");
+        let expected = format!("at least {slowest:.3}, {FEWEST_PERIODS} periods in the recordinging");
         PreparationError::require(cutoff_hz >= slowest, "[signal] cutoff_hz", &expected, cutoff_hz)
     }
 }
@@ -145,7 +145,7 @@ pub(crate) fn window_of(
     };
     if end > samples {
         let found = format!("{} s", options.window_end_s.unwrap_or_default());
-        let record = format!("at most the record's {:.4} s", samples as f64 / sample_rate_hz);
+        let record = format!("at most the recording's {:.4} s", samples as f64 / sample_rate_hz);
         return Err(PreparationError::value("[signal] window_end_s", &record, found));
     }
     if start >= end {
@@ -253,7 +253,7 @@ mod tests {
 
     /// At 1 kHz and 50 Hz a gap of 10 samples is short, and 100 samples are an edge.
     #[test]
-    fn short_gaps_are_left_out_with_as_much_beside_and_long_ones_with_edges() {
+    fn short_gaps_are_left_out_with_as_much_on_each_side_and_long_ones_with_edges() {
         let at = |gaps: &[Range<usize>]| left_out(gaps, &(1000..5000), 1000.0, 50.0);
         assert_eq!(at(&[2000..2003, 2004..2005, 3000..3011]), [997..1006, 1900..2111]);
         assert_eq!(at(&[100..300, 990..1000, 4999..5000, 6000..6001]), [0..10, 3998..4000]);

@@ -153,13 +153,13 @@ mod tests {
         let inertia = [2.0, 5.0];
         let loop_parameters = LoopParameters::new(&[LoopParameter::PositionGains], 2);
         let changed = loop_parameters.apply(&[0.0, 2.0_f64.ln()], parts(&description), &inertia);
-        let (before, behind) = (description.resolve(&inertia, 1.0), changed.controller.resolve(&inertia, 1.0));
+        let (before, after) = (description.resolve(&inertia, 1.0), changed.controller.resolve(&inertia, 1.0));
         let of_position = |c: &thetahat_estimation::control::Controller, motor| c.command(motor, 0.01, 0.0, 0.0, 0.0);
-        assert!((of_position(&behind, 0) - of_position(&before, 0)).abs() < 1e-12);
-        assert!((of_position(&behind, 1) - 2.0 * of_position(&before, 1)).abs() < 1e-9);
+        assert!((of_position(&after, 0) - of_position(&before, 0)).abs() < 1e-12);
+        assert!((of_position(&after, 1) - 2.0 * of_position(&before, 1)).abs() < 1e-9);
         for motor in 0..2 {
             let others = |c: &thetahat_estimation::control::Controller| c.command(motor, 0.0, 0.3, 0.7, 1.1);
-            assert!((others(&behind) - others(&before)).abs() < 1e-9);
+            assert!((others(&after) - others(&before)).abs() < 1e-9);
         }
     }
 

@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lag_tells_the_bandwidth_and_none_gives_the_usual_one() {
+    fn a_lag_gives_the_bandwidth_and_none_gives_the_usual_one() {
         let proposed = propose_controller(&[&lagging(8.0)]);
         assert!((proposed.description.bandwidth_hz[0] - 8.0).abs() < 1e-6, "{:?}", proposed.description);
         assert_eq!(proposed.description.velocity_feed_forward, 0.0);

@@ -60,7 +60,7 @@ impl<'a> Pieces<'a> {
     }
 
     /// What is read for a range of samples, so that two derivatives of its filtered positions agree with the whole
-    /// record.
+    /// recording.
     pub(super) fn extended(&self, range: &Range<usize>) -> Range<usize> {
         let ahead = self.reach + 2 * self.experiment.settings.signal.derivative.reach();
         range.start.saturating_sub(ahead)..(range.end + ahead).min(self.source.samples)

@@ -106,7 +106,7 @@ impl Gain {
         let [low, high] = found.interval_95[last].map(|end| 1.0 + end);
         let half_width_percent = 50.0 * (high - low) / inverse.abs();
         if inverse.is_nan() || low <= 0.0 || half_width_percent > 100.0 * TOO_WIDE {
-            return Err(format!("the payload tells it to {half_width_percent:.0} % only"));
+            return Err(format!("the payload determines it to {half_width_percent:.0} % only"));
         }
         let factor = 1.0 / inverse;
         let standard_deviation = factor * factor * found.standard_deviation[last];

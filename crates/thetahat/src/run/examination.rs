@@ -137,12 +137,12 @@ pub(crate) fn check_recordings(
     let of = |prepared: &[PreparedRecording], held_back| -> Vec<RecordingFindings> {
         prepared.iter().map(|p| examine(setup, p, ExaminationModel::of(&problem), held_back)).collect()
     };
-    let (found, beside) = (of(&main, false), of(&held_back, true));
+    let (found, of_others) = (of(&main, false), of(&held_back, true));
     let together = compare(setup, [&main, &held_back], (&problem.model, &problem.base));
     let weights: Vec<f64> = main.iter().map(|p| p.filtered.recording.weight).collect();
     let has_torques = main.iter().all(|p| p.filtered.recording.torque.is_some());
     let note = has_torques.then(|| note_before_estimates(setup, problem, &weights)).flatten();
-    Ok(with_note(found, note).into_iter().chain(beside).chain(together).collect())
+    Ok(with_note(found, note).into_iter().chain(of_others).chain(together).collect())
 }
 
 /// The note on the estimates of the method that needs the measured motion alone.

@@ -157,7 +157,7 @@ impl Identification {
             if payload == Some(false) { self.loaded.push(prepared) } else { self.main.push(prepared) }
         }
         if self.main.is_empty() {
-            let why = "a payload that is to be estimated is told from the robot by motion with and without it";
+            let why = "a payload that is to be estimated is distinguished from the robot by motion with and without it";
             return Err(PreparationError::Missing { missing: "a recording without it", why });
         }
         Ok(())

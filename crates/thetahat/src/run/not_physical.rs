@@ -122,7 +122,7 @@ fn outside(table: &ParameterTable, physical: &PhysicalResult, limit: f64, asked:
         unit: "standard deviations".to_owned(),
         limit: Some(limit),
         message: format!(
-            "no robot has these estimates: they are {deviations:.1} standard deviations outside, {noise}; too small are {named}{more}"
+            "these estimates are physically impossible: they are {deviations:.1} standard deviations outside, {noise}; too small are {named}{more}"
         ),
         remedy: link_remedy(asked, is_noise).to_owned(),
         parameters: physical.outside.clone(),
@@ -132,7 +132,7 @@ fn outside(table: &ParameterTable, physical: &PhysicalResult, limit: f64, asked:
 fn link_remedy(asked: bool, is_noise: bool) -> &'static str {
     match (asked, is_noise) {
         (false, _) => {
-            "set physical = true in [parameters]: the consistent parameters nearest to the estimate come beside it, with a \
+            "set physical = true in [parameters]: the consistent parameters nearest to the estimate are added, with a \
              test whether the data reject them"
         }
         (true, true) => "take the consistent estimate where parameters are simulated or used in a controller",

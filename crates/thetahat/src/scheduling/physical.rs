@@ -181,7 +181,7 @@ impl<'a> Physical<'a> {
         self.before.as_ref()?;
         let note = match self.design {
             Design::Measured => {
-                "simulates the physically consistent robot nearest to its estimate (no robot has the estimate itself), without \
+                "simulates the physically consistent robot nearest to its estimate (the estimate itself is physically impossible), without \
                  Coulomb friction"
             }
             Design::Simulated if self.is_kept_in_set => {

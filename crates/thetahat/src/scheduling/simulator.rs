@@ -188,7 +188,7 @@ impl<'a> Simulator<'a> {
             },
             theta: &resolved.standard,
             motor_inertia: &resolved.inertia,
-            grid: if whole { l.grid_of_record() } else { l.grid_of_window(output.step()) },
+            grid: if whole { l.grid_of_recording() } else { l.grid_of_window(output.step()) },
         };
         self.loops.iter().map(job).collect()
     }
@@ -307,7 +307,7 @@ impl RecordedLoop<'_> {
         self.assembly.observation_matrix(&cut(&q), &cut(&dq), &cut(&ddq), sign).map_err(unfiltered)
     }
 
-    fn grid_of_record(&self) -> OutputGrid {
+    fn grid_of_recording(&self) -> OutputGrid {
         let recording = &self.filtered.recording;
         OutputGrid { start_s: 0.0, sample_rate_hz: recording.sample_rate_hz, samples: recording.position.len() }
     }

@@ -128,7 +128,8 @@ fn is_too_short(error_percent: Option<f64>) -> bool {
 fn nothing_explained(run: &RunResult, first: &NotExplained) -> VerdictReason {
     let error = run.relative_error_percent;
     let said = if is_too_short(error) {
-        let seen = format!("The rows are too few to tell what {} explains of the torques from chance", run.method);
+        let seen =
+            format!("The rows are too few to distinguish what {} explains of the torques from chance", run.method);
         ReasonText::new(seen, RECORD_LONGER)
     } else {
         let seen = format!(
@@ -144,8 +145,10 @@ fn nothing_explained(run: &RunResult, first: &NotExplained) -> VerdictReason {
 fn joint_not_explained(results: &Results, run: &RunResult, found: &NotExplained) -> VerdictReason {
     let (name, label) = (joint_name(results, found.joint), results.joint_label(found.joint - 1));
     let said = if is_too_short(found.error_percent) {
-        let seen =
-            format!("The rows of {label} are too few to tell what {} explains of its torque from chance", run.method);
+        let seen = format!(
+            "The rows of {label} are too few to distinguish what {} explains of its torque from chance",
+            run.method
+        );
         ReasonText::new(seen, RECORD_LONGER)
     } else {
         let seen = format!(

@@ -233,7 +233,7 @@ fn few_rows_are_no_fault_of_the_column() {
         assert_eq!(judge(&mut results), Verdict::DoNotUse);
         results.verdict_reasons[0].text.clone()
     };
-    assert!(text(0.3).contains("are too few to tell"), "{}", text(0.3));
+    assert!(text(0.3).contains("are too few to distinguish"), "{}", text(0.3));
     assert!(text(0.3).ends_with("record longer, or estimate fewer parameters."), "{}", text(0.3));
     assert!(text(98.0).contains("no better than a constant does, and leaves 98 % of it"), "{}", text(98.0));
 }
