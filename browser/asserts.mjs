@@ -1,4 +1,4 @@
-// What is asserted of any page, in whichever browser window it is open.
+// Assertions on any page, independent of the browser window.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -18,10 +18,10 @@ export async function uniqueIds(page) {
   assert.deepEqual(ids.filter((id, i) => ids.indexOf(id) !== i), []);
 }
 
-/** axe-core finds nothing to object to. */
+/** axe-core finds no violations. */
 export async function axe(page) {
   await page.evaluate(AXE);
   const violations = await page.evaluate(async () => (await globalThis.axe.run({ resultTypes: ["violations"] })).violations);
-  const told = violations.map(({ id, help, nodes }) => `${id}: ${help}; ${nodes.length} times, first ${nodes[0].html.slice(0, 200)}`);
-  assert.deepEqual(told, []);
+  const found = violations.map(({ id, help, nodes }) => `${id}: ${help}; ${nodes.length} times, first ${nodes[0].html.slice(0, 200)}`);
+  assert.deepEqual(found, []);
 }

@@ -18,11 +18,11 @@ await firstScreen("tutorial/results", "tutorial/good.png", 560);
 await firstScreen("tutorial/swapped", "tutorial/do_not_use.png", 560);
 await torques("tutorial/results", "tutorial/torques.png");
 await figure("design/arm", "design/motion.png", "#motion figure:has(.panel .zero)");
-await figure("design/arm", "design/predicted.png", "#promise .forest");
+await figure("design/arm", "design/predicted.png", "#prediction .forest");
 await figure("design/cell", "design/distance.png", "#distances figure");
 await browser.close();
 
-/** What one sees of a report without scrolling. */
+/** The part of a report that is visible without scrolling. */
 function firstScreen(run, picture, height) {
   return keep(run, picture, (page, path) => page.screenshot({ path, clip: { x: 0, y: 0, width: WIDTH, height } }));
 }

@@ -1,4 +1,4 @@
-// Printed, a page shows what its folds hold.
+// A printed page shows the content of its folds.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use thetahat::experiment::Experiment;
+use thetahat::Experiment;
 
 const ROBOT: &str = include_str!("../../robots/tx40.toml");
 

@@ -4,5 +4,5 @@
 // where the panic's hook aborts.
 libfuzzer_sys::fuzz_target!(
     init: std::panic::set_hook(Box::new(|_| {})),
-    |bytes: &[u8]| thetahat::recording::fuzzing::mat73(bytes)
+    |bytes: &[u8]| thetahat_data::recording::fuzzing::mat73(bytes)
 );

@@ -4,5 +4,5 @@
 // where the panic's hook aborts.
 libfuzzer_sys::fuzz_target!(
     init: std::panic::set_hook(Box::new(|_| {})),
-    |bytes: &[u8]| thetahat::recording::fuzzing::mcap(bytes)
+    |bytes: &[u8]| thetahat_data::recording::fuzzing::mcap(bytes)
 );

@@ -1,3 +1,3 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| thetahat::recording::fuzzing::npy(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| thetahat_data::recording::fuzzing::npy(bytes));

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use thetahat::{dynamics::Model, robot::Robot};
+use thetahat::{dynamics::Model, Robot};
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let Ok(text) = std::str::from_utf8(bytes) else { return };

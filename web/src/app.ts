@@ -1,4 +1,4 @@
-// What a person does with the page, and what follows from it.
+// The actions of the user and their effects.
 
 import { Cancelled, Client, SessionError, Trapped } from "./client";
 import type { DemoAnswer, Exported, Identified, InitRequest, Kind, Understanding } from "./contract";
@@ -10,14 +10,14 @@ export interface GivenFile {
   file: File;
 }
 
-/** MiB of a file at most. The session says so too, of all files together, but only after they have been read into memory. */
+/** Largest size of a file, MiB. The session also checks the sum of all files, but only after reading them into memory. */
 const LARGEST_FILE = 160;
 
 export class App {
   state: State = EMPTY;
   /** The last of the tasks, which run one after another. */
   private queue: Promise<unknown> = Promise.resolve();
-  /** Whether the files will be looked at by a task that has not begun. */
+  /** Whether a task that has not begun will read the files. */
   private willUnderstand = false;
 
   constructor(
@@ -25,7 +25,7 @@ export class App {
     private readonly changed: (state: State) => void,
   ) {}
 
-  /** Adds files and looks at what they are together. */
+  /** Adds files and reads them together. */
   async add(given: GivenFile[]): Promise<void> {
     if (this.state.isDemo) this.startAnew();
     await this.task("read", async () => {
@@ -63,25 +63,25 @@ export class App {
     this.changed(this.state);
   }
 
-  /** Takes a choice in place of what was proposed; `undefined` takes it back. */
+  /** Replaces the proposal by a choice; `undefined` reverts it. */
   async choose(change: { [key in keyof Choices]: Choices[key] | undefined }): Promise<void> {
     const choices = Object.fromEntries(Object.entries({ ...this.state.choices, ...change }).filter(([, value]) => value !== undefined));
     this.set({ choices });
     await this.understand();
   }
 
-  /** Takes everything as it was found. */
+  /** Reverts all choices. */
   async chooseNothing(): Promise<void> {
     this.set({ choices: {} });
     await this.understand();
   }
 
-  /** Takes the text of the experiment as it was changed by hand. */
+  /** Sets the text of the experiment as edited by hand. */
   edit(text: string): void {
     this.set({ experiment: { text, origin: "edited" } });
   }
 
-  /** Gives up the person's own text for what is proposed. */
+  /** Replaces the user's own text by the proposal. */
   useProposal(): void {
     this.set({ experiment: proposedIn(this.state.understanding) });
   }
@@ -125,21 +125,21 @@ export class App {
       await this.client.put(listed.path, file);
       listed.kind = (await this.client.call("kind", [listed.path])) as Kind;
       if (listed.kind === "unknown") listed.error = await this.whyNotRead(listed.path);
-      if (listed.kind === "results") listed.error = "These are results. This page takes a robot, its logs and an experiment.";
+      if (listed.kind === "results") listed.error = "These are results. This page needs a robot, its logs and an experiment.";
     } catch (error) {
       if (error instanceof Cancelled) throw error;
       listed.error = sentenceOf(error);
     }
   }
 
-  /** What the readers say of a file that is nothing known. */
+  /** The error of the readers for an unknown file. */
   private async whyNotRead(path: string): Promise<string> {
     const request: InitRequest = { recordings: [path] };
     const { recording_errors: errors } = JSON.parse(await this.client.call("understand", [JSON.stringify(request)])) as Understanding;
-    return errors[0]?.message ?? "This is no robot, log or experiment.";
+    return errors[0]?.message ?? "This is not a robot, log or experiment.";
   }
 
-  /** Looks at the files with the choices, once for all that changed before it begins. */
+  /** Reads the files with the choices, once for all changes before it begins. */
   private async understand(): Promise<void> {
     if (this.willUnderstand) return;
     this.willUnderstand = true;
@@ -155,7 +155,7 @@ export class App {
     if (request.robot === undefined && request.recordings.length === 0) {
       return this.set({ understanding: null, experiment: isOwnText(this.state.experiment) ? this.state.experiment : null });
     }
-    this.say("Looking at the files.");
+    this.say("Reading the files.");
     const understanding = JSON.parse(await this.client.call("understand", [JSON.stringify(request)])) as Understanding;
     const files = this.state.files.map((file) => withError(file, request, understanding));
     this.set({ understanding, answered: choices, files, said: "The files are read." });
@@ -176,7 +176,7 @@ export class App {
     this.set({ identified: { ...(JSON.parse(answer) as Identified), experiment } });
   }
 
-  /** Runs one piece of work after those before it; its error becomes the problem that is shown where it belongs. Whether it was done. */
+  /** Runs a task after the previous ones; its error is shown where it belongs. Returns whether it succeeded. */
   private task(name: TaskName, work: () => Promise<void>): Promise<boolean> {
     const done = this.queue.then(() => this.runTask(name, work));
     this.queue = done;
@@ -210,7 +210,7 @@ export class App {
   }
 }
 
-/** A file with what was said of it, if it was looked at. */
+/** A file with its error, if it was read. */
 function withError(file: ListedFile, request: InitRequest, answer: Understanding): ListedFile {
   if (file.path === request.robot) return { ...file, error: answer.robot_error };
   if (!request.recordings.includes(file.path)) return file;
@@ -222,7 +222,7 @@ function proposedIn(understanding: Understanding | null): Experiment | null {
   return understanding?.unfinished ? { text: understanding.unfinished, origin: "unfinished" } : null;
 }
 
-/** Whether a file of this kind takes the place of another one. */
+/** Whether a file of this kind replaces another one. */
 function isSingle({ kind }: ListedFile): boolean {
   return kind === "robot" || kind === "experiment";
 }
@@ -235,8 +235,8 @@ function demoFiles({ robot, recordings }: InitRequest): ListedFile[] {
 function tooLarge(path: string, bytes: number): string | null {
   const found = Math.floor(bytes / 2 ** 20);
   if (found <= LARGEST_FILE) return null;
-  return `${path}: ${found} MiB, are more than the ${LARGEST_FILE} MiB that the page takes; the command \`thetahat reduce\` takes records of any `
-    + "length, and `thetahat solve` identifies from what it writes";
+  return `${path}: ${found} MiB, more than the ${LARGEST_FILE} MiB that the page can read; the command \`thetahat reduce\` reads recordings of any `
+    + "length, and `thetahat solve` identifies from its output";
 }
 
 function problemOf(at: TaskName, error: unknown): Problem | null {
@@ -245,6 +245,6 @@ function problemOf(at: TaskName, error: unknown): Problem | null {
 
 function sentenceOf(error: unknown): string {
   if (error instanceof SessionError) return error.message;
-  if (error instanceof Trapped) return `The program stopped: ${error.message}. Your files are still here; try again, or take the file away that led to it.`;
+  if (error instanceof Trapped) return `The program stopped: ${error.message}. Your files are still here; try again, or remove the file that caused it.`;
   return String(error);
 }

@@ -1,15 +1,15 @@
-// The page's side of the worker and its threads: calls with answers, and a new worker where one was cancelled or has stopped.
+// The page's side of the worker and its threads: calls with answers, and a new worker after one was cancelled or has stopped.
 
 import type { FromWorker, Method, ToWorker } from "./contract";
 import { THREADS, type Program } from "./program";
 
-/** What the command line would print. */
+/** An error with the message of the command line. */
 export class SessionError extends Error {}
 /** The person cancelled. */
 export class Cancelled extends Error {}
 /** The program stopped in the middle of its work. */
 export class Trapped extends Error {}
-/** A thread of the program stopped: what ran is begun again with one. */
+/** A thread of the program stopped: its call is restarted with one thread. */
 class ThreadStopped extends Error {}
 
 interface Pending {
@@ -22,12 +22,12 @@ export class Client {
   private worker: Promise<Worker> | null = null;
   private running: Worker | null = null;
   private helpers: Worker[] = [];
-  /** One after a thread has stopped or could not start, as where memory is short. */
+  /** One after a thread has stopped or could not start, for example for lack of memory. */
   private threads = THREADS;
   /** Why the worker before this one was ended. */
   private reason: Error = new Cancelled();
   private readonly pending = new Map<number, Pending>();
-  /** What a new worker is given again. */
+  /** The files that a new worker gets again. */
   private readonly files = new Map<string, Blob>();
   private hasDemo = false;
   private calls = 0;
@@ -67,12 +67,12 @@ export class Client {
     } catch (error) {
       if (!(error instanceof ThreadStopped)) throw error;
       const onOne = (text: string) => stage(`${text}; on one thread, as another one stopped (${error.message})`);
-      onOne("begun again");
+      onOne("restarted");
       return this.call(method, args, onOne);
     }
   }
 
-  /** Ends what runs; the next call starts a new worker with the same files. */
+  /** Ends the running call; the next one starts a new worker with the same files. */
   cancel(): void {
     this.stop(new Cancelled());
   }

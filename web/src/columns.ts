@@ -1,19 +1,19 @@
-// Which column is of which joint, as a table that a person changes.
+// The columns of each joint, as a table that the user edits.
 
 import type { RecordingAnswer, Understanding } from "./contract";
 import type { Choices } from "./state";
 
 export interface JointColumns {
   name: string;
-  /** Empty where none is known. */
+  /** Empty if unknown. */
   position: string;
   torque: string;
-  /** The value at which it is locked, rad or m; none where it moves. */
+  /** The value at which it is locked, rad or m; null if it moves. */
   locked: number | null;
 }
 
 export interface Assignment {
-  /** Empty where there is none. */
+  /** Empty without a time column. */
   time: string;
   joints: JointColumns[];
 }
@@ -25,7 +25,7 @@ export function columnNames(recordings: RecordingAnswer[]): string[] {
   return [...new Set(names)];
 }
 
-/** What was proposed; columns are empty where nothing was. */
+/** The proposal; unknown columns are empty. */
 export function assignmentOf({ robot, proposal }: Understanding): Assignment {
   const locks = new Map((proposal?.locked ?? robot?.locked ?? []).map(({ name, value }) => [name, value]));
   const moving = (robot?.joints ?? []).filter(({ coordinate }) => coordinate !== null).map(({ name }) => name).filter((name) => !locks.has(name));
@@ -40,7 +40,7 @@ export function assignmentOf({ robot, proposal }: Understanding): Assignment {
   return { time: proposal?.time ?? "", joints };
 }
 
-/** The choices that say so; none where a joint that moves lacks a column. */
+/** The corresponding choices; null if a joint that moves has no column. */
 export function choicesOf({ time, joints }: Assignment): Choices | null {
   const moving = joints.filter(({ locked }) => locked === null);
   if (moving.some(({ position, torque }) => position === "" || torque === "")) return null;

@@ -1,6 +1,6 @@
-// What `thetahat-web` answers, as JSON texts. Units are SI where a name says none.
+// The answers of `thetahat-web`, as JSON texts. Units are SI unless the name has another.
 
-/** What a file is, by its content. */
+/** The kind of a file, by its content. */
 export type Kind = "robot" | "experiment" | "results" | "recording" | "unknown";
 
 export type Side = "joint" | "motor";
@@ -25,15 +25,15 @@ export interface InitRequest {
 export interface RobotAnswer {
   name: string;
   format: string;
-  /** Those that follow another joint have no coordinate. */
+  /** Joints that follow another joint have no coordinate. */
   joints: { name: string; coordinate: number | null }[];
   locked: { name: string; value: number }[];
-  /** What no robot has. */
+  /** Physically impossible values. */
   doubts: { place: string; what: string; remedy: string }[];
   problem: string | null;
 }
 
-/** Places of the joints at some moments of the recording. */
+/** Positions of the joints at some instants of the recording. */
 export interface Skeleton {
   joints: { name: string; kind: string; parent: number | null }[];
   gravity: Point;
@@ -80,7 +80,7 @@ export interface ProposalAnswer {
   locked: { name: string; value: number }[];
 }
 
-/** The record that is drawn, thinned: one row for each joint. */
+/** The curves of the recording, thinned: one row for each joint. */
 export interface Series {
   time_s: number[];
   position: number[][];
@@ -94,7 +94,7 @@ export interface Series {
 export type Severity = "problem" | "warning" | "note" | "guess";
 
 export interface Finding {
-  /** The recording in which it was found; none for all. */
+  /** The recording of the finding; undefined for all. */
   recording?: string;
   code: string;
   severity: Severity;
@@ -112,14 +112,14 @@ export interface Understanding {
   recording_errors: { path: string; message: string }[];
   proposal: ProposalAnswer | null;
   proposal_error: string | null;
-  /** The text of the proposal, where something is to be filled in before it can run. */
+  /** The text of the proposal, if something must be filled in before it can run. */
   unfinished: string | null;
   series: Series | null;
   findings: Finding[];
 }
 
 export interface Identified {
-  results: { verdict: Verdict | null; robot: string; title: string; advice: { take: string | null }[] };
+  results: { verdict: Verdict | null; robot: string; title: string; advice: { recommended: string | null }[] };
   report: string;
   files: Record<string, string>;
   text: string;
@@ -141,13 +141,13 @@ export interface DemoAnswer {
 /** The methods of the session that the page calls. */
 export type Method = "put" | "remove" | "kind" | "understand" | "propose" | "identify" | "demo" | "export";
 
-/** What the page sends to the worker that holds the session, first the module and then calls; and to each of its threads. */
+/** Messages to the worker that holds the session, first the module and then calls, and to each of its threads. */
 export type ToWorker =
   | { module: WebAssembly.Module; threads: number }
   | { module: WebAssembly.Module; memory: WebAssembly.Memory }
   | { call: number; method: Method; args: unknown[] };
 
-/** What a worker sends to the page: its memory where it waits for threads. A trap ends the session: its memory may be in any state. */
+/** Messages of a worker to the page: its memory if it waits for threads. A trap ends the session: its memory may be in any state. */
 export type FromWorker =
   | { memory: WebAssembly.Memory }
   | { call: number; answer: string }

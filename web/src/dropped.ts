@@ -2,7 +2,7 @@
 
 import type { GivenFile } from "./app";
 
-/** Files of folders at most: what a person drops is a robot and its logs. */
+/** Largest number of files from folders: a drop is a robot and its logs. */
 const MOST_FILES = 200;
 
 export async function droppedFiles(transfer: DataTransfer): Promise<GivenFile[]> {

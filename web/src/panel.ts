@@ -15,7 +15,7 @@ export function panelOf(times: number[], values: number[], { width, height }: { 
   return { path: points.length === 0 ? "" : `M${points.join("L")}`, range: [low, high] };
 }
 
-/** From the least to the most, and never nothing. */
+/** From the smallest to the largest value, never empty. */
 function rangeOf(values: number[]): [number, number] {
   const [low, high] = values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
   if (!(low <= high)) return [0, 1];

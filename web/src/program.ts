@@ -1,15 +1,15 @@
-// Where the worker's script and the wasm are: beside the page, or inside it.
+// The worker's script and the wasm: separate files, or inside the page.
 
 /** True in `thetahat.html`, which holds everything; esbuild sets it. */
 declare const SINGLE_FILE: boolean;
 
-/** Threads at most: each has a stack of its own. */
+/** Largest number of threads: each has its own stack. */
 const MOST_THREADS = 16;
 
-/** Several where the server's headers allow a memory that workers share. */
+/** Several if the server's headers allow memory shared by workers. */
 export const THREADS = !SINGLE_FILE && crossOriginIsolated ? Math.min(navigator.hardwareConcurrency, MOST_THREADS) : 1;
 
-/** What a worker is started with. */
+/** The parts that start a worker. */
 export interface Program {
   /** The address of the script: a blob, so that the page's policy holds for the worker on any server. */
   script: string;
@@ -17,13 +17,13 @@ export interface Program {
 }
 
 export async function loadProgram(): Promise<Program> {
-  const [script, module] = await (SINGLE_FILE ? inside() : beside());
+  const [script, module] = await (SINGLE_FILE ? inside() : separate());
   return { script: URL.createObjectURL(new Blob([script], { type: "text/javascript" })), module };
 }
 
 type Parts = Promise<[string, WebAssembly.Module]>;
 
-function beside(): Parts {
+function separate(): Parts {
   const folder = THREADS > 1 ? "threads/" : "";
   const script = fetch(`${folder}worker.js`).then((answer) => answer.text());
   return Promise.all([script, WebAssembly.compileStreaming(fetch(`${folder}thetahat_web_bg.wasm`))]);

@@ -9,13 +9,13 @@ export interface Direction {
   pitch: number;
 }
 
-/** A sphere around all that is drawn. */
+/** A sphere around everything drawn. */
 export interface Ball {
   centre: Point;
   radius: number;
 }
 
-/** The points as one stands beside the robot: z against gravity, x as near to the robot's as can be. */
+/** The points in an upright frame: z against gravity, x as close to the robot's x axis as possible. */
 export function upright(frames: Point[][], gravity: Point): Point[][] {
   const up = unit([-gravity[0], -gravity[1], -gravity[2]]) ?? [0, 0, 1];
   const level = (axis: Point) => unit([0, 1, 2].map((k) => axis[k]! - dot(axis, up) * up[k]!) as Point);
@@ -28,7 +28,7 @@ function dot(a: Point, b: Point): number {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/** A vector of length one; none where it has no direction. */
+/** A vector of length one; null without a direction. */
 function unit([x, y, z]: Point): Point | null {
   const length = Math.hypot(x, y, z);
   return length < 1e-6 ? null : [x / length, y / length, z / length];
@@ -46,7 +46,7 @@ export function ballAround(points: Point[]): Ball {
   return { centre, radius: all.map(distance).reduce((a, b) => Math.max(a, b), 1e-9) };
 }
 
-/** The place of a point in a picture whose middle is the ball's and whose half height is its radius. */
+/** The position of a point in a picture centred on the ball with its radius as half height. */
 export function project([x, y, z]: Point, { centre, radius }: Ball, { yaw, pitch }: Direction): [number, number] {
   const [a, b, c] = [x - centre[0], y - centre[1], z - centre[2]];
   const right = a * Math.cos(yaw) + b * Math.sin(yaw);

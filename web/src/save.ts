@@ -1,4 +1,4 @@
-// Files that the person keeps.
+// Files that the user saves.
 
 export function save(name: string, text: string): void {
   const url = URL.createObjectURL(new Blob([text], { type: "application/octet-stream" }));
@@ -6,6 +6,6 @@ export function save(name: string, text: string): void {
   link.href = url;
   link.download = name;
   link.click();
-  // The browser has taken the content over by then.
+  // The browser has copied the content by then.
   setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }

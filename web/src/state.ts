@@ -5,7 +5,7 @@ import type { Exported, Identified, InitRequest, Kind, Understanding } from "./c
 export interface ListedFile {
   path: string;
   bytes: number;
-  /** None until it is known, or where it cannot be. */
+  /** Null while unknown. */
   kind: Kind | null;
   /** Why it is not used. */
   error: string | null;
@@ -32,13 +32,13 @@ export interface Task {
   since: number;
 }
 
-/** An error at its place. */
+/** An error and the task that caused it. */
 export interface Problem {
   at: TaskName;
   message: string;
 }
 
-/** What the person chose in place of what was proposed: the arguments of `thetahat init`. */
+/** The user's choices instead of the proposal: the arguments of `thetahat init`. */
 export type Choices = Omit<InitRequest, "robot" | "recordings">;
 
 export type ExportFormat = "urdf" | "mjcf" | "sdf" | "json";
@@ -46,13 +46,13 @@ export type ExportFormat = "urdf" | "mjcf" | "sdf" | "json";
 export interface State {
   files: ListedFile[];
   choices: Choices;
-  /** Those that `understanding` answers. */
+  /** The choices that `understanding` answers. */
   answered: Choices;
   isDemo: boolean;
   understanding: Understanding | null;
   experiment: Experiment | null;
   identified: Run | null;
-  /** What the last export said. */
+  /** The answer of the last export. */
   exported: { format: ExportFormat; answer: Exported } | null;
   task: Task | null;
   problem: Problem | null;
@@ -74,12 +74,12 @@ export const EMPTY: State = {
   said: "",
 };
 
-/** Whether the text is the person's own, so that choices do not act on it. */
+/** Whether the text is the user's own, so that choices do not affect it. */
 export function isOwnText(experiment: Experiment | null): boolean {
   return experiment !== null && (experiment.origin === "edited" || experiment.origin === "given");
 }
 
-/** Whether the filter is being chosen or the robot identified, from what must stay as it is. */
+/** Whether the filter is being chosen or the robot identified: the inputs must not change. */
 export function isAtWork({ task }: State): boolean {
   return task?.name === "propose" || task?.name === "identify";
 }
@@ -99,5 +99,5 @@ export function missing({ understanding, experiment }: State): string | null {
   if (!understanding) return "Add a robot and its log.";
   if (!understanding.robot) return "Add the robot: a URDF or TOML file.";
   if (understanding.recordings.length === 0) return "Add the log of its positions and torques.";
-  return "No experiment can be proposed yet: see the problem above.";
+  return "Say which columns are which, below.";
 }

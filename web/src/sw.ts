@@ -1,4 +1,4 @@
-// Keeps the page's own files, so that it works without a network. A new version takes the place of the old one as a whole.
+// Keeps the page's own files, so that it works without a network. A new version replaces the old one as a whole.
 
 /** A name that changes with any of the files, and the files; esbuild sets both. */
 declare const VERSION: string;

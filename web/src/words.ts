@@ -1,4 +1,4 @@
-// Numbers as the report writes them.
+// Numbers in the format of the report.
 
 export function count(number: number, noun: string): string {
   return `${number} ${noun}${number === 1 ? "" : "s"}`;

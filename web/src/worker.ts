@@ -30,7 +30,7 @@ function serve(module: WebAssembly.Module, memory: WebAssembly.Memory): void {
   serve_thread();
 }
 
-/** Answers one call. What the command line would print comes as a plain `Error`; everything else is a trap. */
+/** Answers one call. An error with the message of the command line is a plain `Error`; everything else is a trap. */
 function run(call: number, method: Method, args: unknown[]): void {
   if (session === null) throw new Error("the session has not started");
   const stage = (text: string) => reply({ call, stage: text });

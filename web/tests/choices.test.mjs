@@ -54,7 +54,7 @@ test("units, side and columns are those that were chosen", async (t) => {
   await page.getByLabel("Torque of shoulder").selectOption("torque_1");
   await experiment.waitFor();
   await untilSays(experiment, /^torque = .*"torque_2", "torque_1", "torque_3"/m);
-  await page.getByRole("button", { name: "Take all as found" }).click();
+  await page.getByRole("button", { name: "Use all as detected" }).click();
   await untilSays(experiment, /^torque = .*"torque_1", "torque_2", "torque_3"\], unit = "N m"/m);
   assertQuiet();
 });
@@ -107,7 +107,7 @@ test("an experiment that is changed by hand is the one that runs, and choices do
   assert.equal(await page.getByLabel("Unit of positions").count(), 0);
   await identify(page);
   await page.frameLocator("iframe").getByRole("heading", { name: "by hand" }).waitFor();
-  await page.getByRole("button", { name: "Take the proposal again" }).click();
+  await page.getByRole("button", { name: "Use the proposal again" }).click();
   await untilSays(experiment, /^title = "arm: log.csv"$/m);
 });
 
@@ -126,7 +126,7 @@ test("a gain that no file holds is filled in by hand", async (t) => {
   await page.getByRole("list", { name: "Findings" }).getByText("Fill in gain = [...], a number for each column").waitFor();
   const experiment = page.getByRole("textbox", { name: "experiment.toml" });
   await experiment.fill((await experiment.inputValue()).replace("gain = []", "gain = [100, 100, 100]"));
-  assert.match(await identify(page), /^Verdict: (good|take with care)/);
+  assert.match(await identify(page), /^Verdict: (good|use with care)/);
   assertQuiet();
 });
 

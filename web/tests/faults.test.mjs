@@ -109,6 +109,6 @@ test("files are removed, and everything is forgotten", async (t) => {
   await page.getByRole("button", { name: "Remove arm.urdf" }).click();
   await page.getByRole("list", { name: "Files" }).waitFor({ state: "detached" });
   await takeDemo(page);
-  await page.getByRole("button", { name: "Start anew" }).click();
+  await page.getByRole("button", { name: "Start over" }).click();
   await page.getByRole("list", { name: "Files" }).waitFor({ state: "detached" });
 });

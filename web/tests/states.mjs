@@ -22,7 +22,7 @@ export const STATES = {
     writeFileSync(file, ["a,b,c,d,e,f,g", ...rows].join("\n"));
     await page.getByRole("button", { name: "Remove broken.csv" }).click();
     await choose(page, "Choose logs", [file]);
-    await status(page).filter({ hasText: "No experiment can be proposed yet" }).waitFor();
+    await status(page).filter({ hasText: "Say which columns are which" }).waitFor();
   },
   understood: (page) => takeDemo(page),
   working: async (page) => {
@@ -39,6 +39,6 @@ export const STATES = {
   },
   exported: async (page) => {
     await page.getByRole("button", { name: "MJCF", exact: true }).click();
-    await page.getByRole("region", { name: "What is said of the export" }).waitFor();
+    await page.getByRole("region", { name: "Remarks on the export" }).waitFor();
   },
 };

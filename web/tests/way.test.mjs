@@ -25,7 +25,7 @@ test("the demo: the verdict, the report and the files", async (t) => {
   t.after(close);
   await takeDemo(page);
   await assertUnderstood(page, 6);
-  assert.match(await identify(page), /^Verdict: (good|take with care)\. Take idim-/);
+  assert.match(await identify(page), /^Verdict: (good|use with care)\. Recommended method: idim-/);
   await assertReport(page);
   const results = JSON.parse(await saved(page, "results.json"));
   const expected = JSON.parse(thetahat(REPOSITORY, "demo", "--json").stdout);

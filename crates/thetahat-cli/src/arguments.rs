@@ -7,15 +7,15 @@ use clap::{
 };
 use clap_complete::Shell;
 use thetahat::{
+    Method,
     export::Format,
-    identification::Method,
     recording::{Side, Unit},
     symbolic::{DriveTorques, Language, ModelKind},
 };
 
 /// Identifies the dynamic parameters of a robot from its recorded motion and torques.
 ///
-/// Exit codes: 0 the verdict is good, or care; 1 finished, but the numbers are not to be used; 2 error.
+/// Exit codes: 0 the verdict is good or care; 1 finished, but the verdict is do-not-use; 2 error.
 #[derive(Parser)]
 #[command(name = "thetahat", version)]
 pub struct Arguments {
@@ -29,54 +29,54 @@ pub enum Command {
     ///
     /// The simulated robot is recorded with noise and identified nominally and with the simulator's gear ratios at 90 %.
     Demo(Output),
-    /// Show what is in recordings, and with --robot the experiment that would be proposed for them.
+    /// Show the content of recordings, and with --robot the experiment proposed for them.
     Inspect(Inspect),
     /// Write an experiment file for a robot and its recordings.
     Init(Init),
-    /// Look for what is wrong with the recordings of an experiment.
+    /// Check the recordings of an experiment for problems.
     Check(Check),
-    /// Compare results side by side: settings that differ, parameters in deviations, errors.
+    /// Compare results: settings that differ, differences of parameters in standard deviations, errors.
     Compare(Compare),
     /// Identify the robot of an experiment file.
     Identify(Identify),
     /// Write the identified robot as URDF, MJCF, SDF or JSON, with physically consistent inertias.
     ///
-    /// Beside the file goes FILE.covariance.json, which says how sure its parameters are.
+    /// FILE.covariance.json is written with the file: the covariance of its parameters.
     ///
-    /// Exit code 1 where the verdict on the results is that they are not to be used, and --untrusted exports them.
+    /// Exit code 1 if the verdict is do-not-use; --untrusted exports anyway.
     Export(Export),
-    /// Write robots drawn from the distribution of the estimates, each physically consistent: for domain randomisation.
+    /// Write random robots from the distribution of the estimates, each physically consistent, for domain randomisation.
     ///
-    /// Exit code 1 where the verdict on the results is that they are not to be used, and --untrusted takes them.
+    /// Exit code 1 if the verdict is do-not-use; --untrusted samples anyway.
     Sample(Sample),
     /// Predict the torques of another motion with identified parameters.
     Predict(Predict),
     /// Run a Monte Carlo campaign on a simulated robot and compare the methods.
     ///
-    /// What a folder holds already is not run again: a campaign that was stopped goes on where it was.
+    /// Runs that are already in the folder are not repeated: an interrupted campaign continues.
     Campaign(Campaign),
-    /// What errors of the simulator do to the estimates of idim-iv and didim.
+    /// Sensitivity of the estimates of idim-iv and didim to errors of the simulator.
     ///
-    /// Identifies with the simulator's gear ratios, drive gains, controller gains, delay, reference and friction wrong by
-    /// steps, and compares with the estimates without error.
+    /// Identifies with errors in the simulator's gear ratios, drive gains, controller gains, delay, reference and friction,
+    /// in steps, and compares with the estimates without errors.
     Sensitivity(Sensitivity),
     /// Reduce recordings of any length to a small file from which `solve` estimates.
     ///
     /// The file holds triangular factors of the regression; the recordings are read in pieces. Reductions of the same robot
     /// and the same [signal] can be merged.
     Reduce(Reduce),
-    /// Identify from reductions, alone or merged: by IDIM-LS, and by IDIM-IV where they have instruments.
+    /// Identify from reductions, alone or merged: by IDIM-LS, and by IDIM-IV if they have instruments.
     Solve(Solve),
-    /// Design the motion to record, and prediction the interval of each parameter before the robot moves.
+    /// Design the motion to record, and predict the interval of each parameter before the robot moves.
     ///
-    /// The motion is the best within the limits of the joints for all base parameters, friction, motor inertias and offsets
-    /// among them. The experiment for its record is written beside it.
+    /// The motion is optimal within the limits of the joints for all base parameters, including friction, motor inertias and
+    /// offsets. The experiment for its recording is written with it.
     Design(Design),
-    /// Record the simulated robot that an experiment describes in [twin].
+    /// Record the simulated robot of an experiment ([twin]).
     Simulate(Simulate),
     /// Show a robot: its structure, its standard parameters, and its base parameters with their formulas.
     ///
-    /// Exit code 1 where the base parameters are not clear: a length or an angle is nearly special.
+    /// Exit code 1 if the base parameters are ambiguous: a length or an angle is nearly special.
     Model(Model),
     /// Generate code of a robot's model: C, Rust, Python, MATLAB or LaTeX.
     ///
@@ -106,7 +106,7 @@ pub struct Man {
     pub force: Force,
 }
 
-/// How results are shown.
+/// Options for the output of results.
 #[derive(Args)]
 pub struct Shown {
     /// Print every table: all methods and cases, diagnosis, convergence
@@ -131,7 +131,7 @@ pub struct Output {
     pub force: Force,
 }
 
-/// What may be replaced.
+/// Options for replacing files.
 #[derive(Args)]
 pub struct Force {
     /// Replace files that thetahat did not write; inputs and devices are never replaced
@@ -164,14 +164,14 @@ pub struct Init {
     pub recording: Vec<PathBuf>,
     #[command(flatten)]
     pub columns: Columns,
-    /// The experiment file to write; one that is there stays
+    /// The experiment file to write; an existing file is kept
     #[arg(long, value_name = "FILE.toml", default_value = "experiment.toml")]
     pub out: PathBuf,
     #[command(flatten)]
     pub force: Force,
 }
 
-/// What the names of a recording's columns do not tell.
+/// Options for what the names of a recording's columns do not show.
 #[derive(Args)]
 pub struct Columns {
     /// Columns of the positions, one for each joint, or one of a matrix: NAME, FILE (all its columns) or FILE:NAME
@@ -183,10 +183,10 @@ pub struct Columns {
     /// The time column
     #[arg(long, value_name = "NAME")]
     pub time: Option<String>,
-    /// The joints that the columns are of, in the robot's order, where names do not tell; the others are locked
+    /// The joints of the columns, in the robot's order, if their names do not show it; other joints are locked
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub joints: Vec<String>,
-    /// Samples per second, where there is no time column
+    /// Samples per second, if there is no time column
     #[arg(long, value_name = "HZ", conflicts_with = "time")]
     pub rate: Option<f64>,
     /// Unit of the positions, such as deg
@@ -220,7 +220,7 @@ pub struct Compare {
     /// Files of `identify --out` or `solve --out`; the others are compared with the first
     #[arg(value_name = "RESULTS.json", required = true, num_args = 2..)]
     pub results: Vec<PathBuf>,
-    /// The method whose parameters are compared [default: the one that each file's advice takes]
+    /// The method whose parameters are compared [default: the recommended method of each file]
     #[arg(long, value_parser = method())]
     pub method: Option<Method>,
     /// The case
@@ -265,10 +265,10 @@ pub struct Described {
     /// The experiment file
     #[arg(value_name = "EXPERIMENT.toml")]
     pub experiment: PathBuf,
-    /// Folder of the data, against which the experiment's paths are resolved [default: that of the experiment]
+    /// Folder of the data: the experiment's paths are relative to it [default: that of the experiment]
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
-    /// Robot description instead of the one that the experiment names
+    /// Robot description instead of the one in the experiment
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
 }
@@ -283,7 +283,7 @@ pub struct Campaign {
     pub out: Option<PathBuf>,
     #[command(flatten)]
     pub force: Force,
-    /// Threads, each of which works on four records at a time [default: one for each processor]
+    /// Threads, each of which works on four recordings at a time [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub threads: Option<usize>,
     /// Only the first starts of the campaign
@@ -303,10 +303,10 @@ pub struct Reduce {
     pub out: PathBuf,
     #[command(flatten)]
     pub force: Force,
-    /// A results.json with whose estimates instruments are simulated, for IDIM-IV: those of its idim-iv, or else idim-ls
+    /// A results.json whose estimates simulate the instruments for IDIM-IV: its idim-iv, or otherwise idim-ls
     #[arg(long, value_name = "RESULTS.json")]
     pub instruments_from: Option<PathBuf>,
-    /// Pieces that are worked on at a time [default: one for each processor]
+    /// Pieces processed at a time [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub threads: Option<usize>,
 }
@@ -318,7 +318,7 @@ pub struct Solve {
     pub reductions: Vec<PathBuf>,
     #[command(flatten)]
     pub output: Output,
-    /// File for the reductions merged to one
+    /// File for the merged reduction
     #[arg(long, value_name = "FILE")]
     pub merged: Option<PathBuf>,
 }
@@ -365,7 +365,7 @@ pub struct Model {
     /// Folder against which the robot's path is resolved [default: the current one]
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
-    /// The last joints that move; all that are not on the way to them are locked at their neutral values
+    /// The last joints that move; all joints that are not on the path to them are locked at their neutral values
     #[arg(long, value_name = "JOINTS", value_delimiter = ',')]
     pub until: Vec<String>,
     /// Joints that do not move, in rad or m, such as head_joint=0.2
@@ -384,26 +384,26 @@ pub struct Generate {
     /// The language
     #[arg(long, value_parser = named(&Language::ALL))]
     pub to: Language,
-    /// Whether parameters are an input, or values in the code: of a robot the a-priori ones, of results the estimates
+    /// Whether parameters are an input or values in the code: the a-priori values of a robot, the estimates of results
     /// [default: symbolic for a robot, values for results]
     #[arg(long, value_enum)]
     pub parameters: Option<GeneratedParameters>,
     /// The base parameters instead of the standard ones
     #[arg(long)]
     pub base: bool,
-    /// The method whose estimates are taken [default: the one that the results advise]
+    /// The method whose estimates are used [default: the recommended method]
     #[arg(long, value_parser = method())]
     pub method: Option<Method>,
-    /// The case whose estimates are taken [default: nominal]
+    /// The case whose estimates are used [default: nominal]
     #[arg(long)]
     pub case: Option<String>,
-    /// The robot description that the results must be of, unchanged
+    /// The robot description that the results must belong to, unchanged
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
-    /// The torques of the drives: all, the inertia of the motors alone, or none
+    /// The torques of the drives: all, only the inertia of the motors, or none
     #[arg(long, default_value = "all", value_parser = named(&DriveTorques::ALL))]
     pub drives: DriveTorques,
-    /// What the names in the code begin with [default: the robot's name]
+    /// Prefix of the names in the code [default: the robot's name]
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,
     /// The file to write [default: the code is printed]
@@ -416,7 +416,7 @@ pub struct Generate {
     /// Folder against which the path is resolved [default: the current one]
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
-    /// The last joints that move; all that are not on the way to them are locked at their neutral values
+    /// The last joints that move; all joints that are not on the path to them are locked at their neutral values
     #[arg(long, value_name = "JOINTS", value_delimiter = ',')]
     pub until: Vec<String>,
     /// Joints that do not move, in rad or m, such as head_joint=0.2
@@ -424,16 +424,16 @@ pub struct Generate {
     pub lock: Vec<(String, f64)>,
 }
 
-/// What generated code does with parameters.
+/// The parameters of generated code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum GeneratedParameters {
-    /// They are an input.
+    /// An input.
     Symbolic,
-    /// Their values are in the code.
+    /// Values in the code.
     Values,
 }
 
-/// Values by their names, which the help and the completions list.
+/// Values by their names, which help and completions list.
 fn named<T: Copy + Send + Sync + 'static>(all: &'static [(&'static str, T)]) -> impl TypedValueParser<Value = T> {
     let value = |name: String| all.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
     PossibleValuesParser::new(all.iter().map(|(name, _)| *name)).try_map(move |name| value(name).ok_or("no such name"))
@@ -457,16 +457,16 @@ pub struct Exported {
     /// The format
     #[arg(long, value_name = "FORMAT", value_parser = format())]
     pub to: Format,
-    /// The method whose parameters are taken [default: the one that the results advise]
+    /// The method whose parameters are used [default: the recommended method]
     #[arg(long, value_parser = method())]
     pub method: Option<Method>,
-    /// Folder of the robot description, which must be as it was identified [default: the text in the results is taken]
+    /// Folder of the robot description, which must be unchanged since the identification [default: the text in the results]
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
-    /// The robot description itself, likewise
+    /// The robot description itself, which must be unchanged
     #[arg(long, value_name = "FILE", conflicts_with = "data")]
     pub robot: Option<PathBuf>,
-    /// A MuJoCo model of your own that gets the robot's inertias, armatures and friction; its other bytes stay
+    /// Your own MuJoCo model, which gets the robot's inertias, armatures and friction; all else is kept
     #[arg(long, value_name = "MODEL.xml")]
     pub into: Option<PathBuf>,
     #[command(flatten)]
@@ -475,10 +475,10 @@ pub struct Exported {
     pub force: Force,
 }
 
-/// Which results are taken.
+/// Which results can be used.
 #[derive(Args)]
 pub struct Trust {
-    /// Take results whose verdict is that they are not to be used (do-not-use)
+    /// Use results even if their verdict is do-not-use
     #[arg(long)]
     pub untrusted: bool,
 }
@@ -487,7 +487,7 @@ pub struct Trust {
 pub struct Export {
     #[command(flatten)]
     pub exported: Exported,
-    /// The file to write [default: the export is printed, and what there is to say of it goes to stderr]
+    /// The file to write [default: the export goes to stdout, remarks to stderr]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Read the export back and compare inverse dynamics at 1000 random states
@@ -515,28 +515,28 @@ pub struct Predict {
     /// The results.json of an identification
     #[arg(value_name = "RESULTS.json")]
     pub results: PathBuf,
-    /// The recording; its channels are described as in the experiment
+    /// The recording, with the channels of the experiment
     #[arg(long, value_name = "FILE")]
     pub recording: PathBuf,
-    /// The file of its torques, where they are not in the same one
+    /// The file of its torques, if it is another file
     #[arg(long, value_name = "FILE")]
     pub torque_file: Option<PathBuf>,
-    /// Columns of the positions, where they have other names than in the experiment
+    /// Columns of the positions, if their names differ from the experiment
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub position: Vec<String>,
-    /// Columns of the torques, likewise
+    /// Columns of the torques, if their names differ from the experiment
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub torque: Vec<String>,
-    /// The time column, likewise
+    /// The time column, if its name differs from the experiment
     #[arg(long, value_name = "NAME")]
     pub time: Option<String>,
-    /// Start and end of the window, s [default: that of the experiment, or else the moving part]
+    /// Start and end of the window, s [default: that of the experiment, or otherwise the moving part]
     #[arg(long, value_names = ["START", "END"], num_args = 2)]
     pub window_s: Option<Vec<f64>>,
-    /// The case whose parameters are taken
+    /// The case whose parameters are used
     #[arg(long, default_value = "nominal")]
     pub case: String,
-    /// The method whose parameters are taken [default: the one that the results advise]
+    /// The method whose parameters are used [default: the recommended method]
     #[arg(long, value_parser = method())]
     pub method: Option<Method>,
     /// CSV file for the torques, sample by sample
@@ -551,7 +551,7 @@ fn format() -> impl TypedValueParser<Value = Format> {
     PossibleValuesParser::new(Format::ALL.map(Format::name)).try_map(|name| name.parse::<Format>())
 }
 
-/// The methods by their names, which the help and the completions list.
+/// The methods by their names, which help and completions list.
 fn method() -> impl TypedValueParser<Value = Method> {
     PossibleValuesParser::new(Method::all().map(Method::name)).try_map(|name| name.parse::<Method>())
 }

@@ -4,10 +4,10 @@ use std::error::Error;
 
 use thetahat::{
     campaign::{Campaign, CampaignRuns, Progress, Row, Store, Subset},
-    output::OutputGuard,
-    report,
     results::CampaignResults,
 };
+use thetahat_ground::output::OutputGuard;
+use thetahat_report::report;
 
 use crate::{
     arguments,
@@ -24,11 +24,11 @@ pub fn run(request: &arguments::Campaign) -> Result<Ending, Box<dyn Error>> {
     }
     let store = request.out.as_ref().map(|directory| Store::open(directory, &campaign)).transpose()?;
     let limits = Subset { starts: request.starts, seeds: request.seeds };
-    let mut counter = Counter::new("records");
-    let mut tell = |Progress { before, done, to_do }| {
-        counter.tell(done, to_do, if before > 0 { format!("{before} there before, ") } else { String::new() });
+    let mut counter = Counter::new("recordings");
+    let mut report_progress = |Progress { before, done, to_do }| {
+        counter.show(done, to_do, if before > 0 { format!("{before} already there, ") } else { String::new() });
     };
-    let runs = campaign.run(limits, threads(request.threads), store.as_ref(), &mut tell)?;
+    let runs = campaign.run(limits, threads(request.threads), store.as_ref(), &mut report_progress)?;
     drop(counter);
     let results = campaign.results(&runs);
     print(&report::campaign_text(&results, width()))?;
@@ -36,7 +36,7 @@ pub fn run(request: &arguments::Campaign) -> Result<Ending, Box<dyn Error>> {
     Ok(if runs.rows.iter().any(Row::has_converged) { Ending::Good } else { Ending::NotTrusted })
 }
 
-/// Writes the page, and says which files there are.
+/// Writes the page, and lists the files.
 fn files(
     request: &arguments::Campaign,
     results: &CampaignResults,

@@ -5,14 +5,15 @@ use std::{
 };
 
 use thetahat::{
-    experiment::{Experiment, PredictionRequest, predict},
-    output::OutputGuard,
-    report::{self, Published},
-    results::{Results, ResultsError, SideBySide},
-    robot::{Locks, RobotSource},
-    robot_summary::RobotSummary,
+    Experiment, Results,
+    experiment::{PredictionRequest, predict},
+    report::Published,
+    results::{ResultsError, SideBySide},
+    robot::{Locks, RobotSource, RobotSummary},
     symbolic::BaseFormulas,
 };
+use thetahat_ground::output::OutputGuard;
+use thetahat_report::report;
 
 use crate::{
     arguments::{Arguments, Check, Command, Compare, Identify, Model, Output, Predict, Sensitivity, Simulate},
@@ -63,9 +64,9 @@ fn check_experiment(check: &Check) -> Result<Ending, Box<dyn Error>> {
     Ok(if problem { Ending::NotTrusted } else { Ending::Good })
 }
 
-/// What the experiment's filter and others do to the estimates; nothing where no estimate tells.
+/// Compares the errors of the estimates with the experiment's filter and others, if there are estimates.
 fn compare_filters(experiment: &Experiment, data: &Path) -> Result<(), Box<dyn Error>> {
-    let progress = Progress::of("comparing filters on a twin of the record");
+    let progress = Progress::of("comparing filters on a simulated twin of the recording");
     let choice = experiment.choose_filter(data, true, threads(None));
     drop(progress);
     Ok(choice.iter().try_for_each(|choice| print(&report::filter_text(choice, width())))?)
@@ -97,7 +98,7 @@ fn run_experiment(experiment: &Experiment, data: &Path, output: &Output) -> Resu
     }
     let published = experiment.published_path().map(|path| Published::read(&path)).transpose()?;
     let mut progress = Progress::new();
-    let results = experiment.run(data, &mut |stage| progress.tell(stage))?;
+    let results = experiment.run(data, &mut |stage| progress.show(stage))?;
     drop(progress);
     show(&results, published.as_ref(), output, "")
 }
@@ -134,10 +135,10 @@ fn sweep_errors(sensitivity: &Sensitivity) -> Result<Ending, Box<dyn Error>> {
     }
     let threads = threads(sensitivity.threads);
     let counter = Mutex::new(Counter::new("estimations"));
-    let tell = |done: usize, of: usize| {
-        counter.lock().unwrap_or_else(PoisonError::into_inner).tell(done, of, String::new());
+    let report_progress = |done: usize, of: usize| {
+        counter.lock().unwrap_or_else(PoisonError::into_inner).show(done, of, String::new());
     };
-    let found = experiment.sensitivity(&data, threads, &tell)?;
+    let found = experiment.sensitivity(&data, threads, &report_progress)?;
     drop(counter);
     print(&report::sensitivity_text(&found, width()))?;
     if let Some(directory) = &sensitivity.out {
@@ -151,13 +152,13 @@ fn sweep_errors(sensitivity: &Sensitivity) -> Result<Ending, Box<dyn Error>> {
 fn record_twin(simulate: &Simulate) -> Result<Ending, Box<dyn Error>> {
     let experiment = Experiment::read(&simulate.experiment, Path::new(""))?;
     OutputGuard::new(experiment.input_files(Path::new("")), simulate.force.force).file(&simulate.out)?;
-    let record = experiment.record_twin()?;
-    report::write_record(&record, &simulate.out)?;
-    let (samples, rate) = (record.position.len(), record.sample_rate_hz);
+    let recording = experiment.record_twin()?;
+    report::write_recording(&recording, &simulate.out)?;
+    let (samples, rate) = (recording.position.len(), recording.sample_rate_hz);
     print(&format!(
         "{samples} samples at {rate} Hz of {} joints: time_s, position_1 ..., torque_1 ... (rad and N m, or m and N)\n\
          written: {}\n",
-        record.joints.len(),
+        recording.joints.len(),
         simulate.out.display()
     ))?;
     Ok(Ending::Good)

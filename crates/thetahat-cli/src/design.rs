@@ -2,7 +2,9 @@
 
 use std::error::Error;
 
-use thetahat::{design::Design, output::OutputGuard, report};
+use thetahat::design::Design;
+use thetahat_ground::output::OutputGuard;
+use thetahat_report::report;
 
 use crate::{
     arguments,
@@ -18,7 +20,7 @@ pub fn run(request: &arguments::Design) -> Result<Ending, Box<dyn Error>> {
         guard.folder(directory, report::DESIGN_FILES.into_iter().chain(report::MOVE_FILES))?;
     }
     let mut progress = Progress::new();
-    let results = design.run(threads(request.threads), &mut |stage| progress.tell(stage))?;
+    let results = design.run(threads(request.threads), &mut |stage| progress.show(stage))?;
     drop(progress);
     print(&report::design_text(&results, width()))?;
     let Some(directory) = &request.out else {
@@ -27,11 +29,11 @@ pub fn run(request: &arguments::Design) -> Result<Ending, Box<dyn Error>> {
     };
     let files = report::write_design(&results, directory)?;
     let names: String = files.iter().map(|f| format!("  {}\n", f.display())).collect();
-    let record = directory.join("recording.csv");
+    let recording = directory.join("recording.csv");
     print(&format!(
         "\nwritten:\n{names}Rehearse: thetahat simulate {} --out {}\nThen: thetahat identify {}\n",
         directory.join("rehearsal.toml").display(),
-        record.display(),
+        recording.display(),
         directory.join("experiment.toml").display()
     ))?;
     Ok(Ending::Good)

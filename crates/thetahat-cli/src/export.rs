@@ -9,8 +9,8 @@ use std::{
 use thetahat::{
     experiment::{EstimateRequest, ExperimentError, IdentifiedRobot},
     export::{ExportError, Format, IdentifiedModel, MjcfModel, Target},
-    output::{OutputGuard, remove_own, replace_file},
 };
+use thetahat_ground::output::{OutputGuard, remove_own, replace_file};
 
 use crate::{
     arguments::{Export as Request, Exported, Sample},
@@ -19,45 +19,46 @@ use crate::{
     terminal::{Ending, print, remark},
 };
 
-/// Digits of a sample's number in its name, whatever the count: names sort by number.
+/// Digits of a sample's number in its name, independent of the count: names sort by number.
 const DIGITS: usize = 6;
 
 /// Writes the robot of results, or prints it.
 pub fn export_robot(request: &Request) -> Result<Ending, Box<dyn Error>> {
     let model = model(&request.exported)?;
     let identified = identified(&request.exported)?;
-    let sidecar = request.out.as_deref().map(beside);
+    let sidecar = request.out.as_deref().map(covariance_file);
     let guard = guard(&request.exported, &identified);
     request.out.iter().chain(&sidecar).try_for_each(|path| guard.file(path))?;
     let robot = IdentifiedModel::new(identified)?;
     let export = robot.export(target(&request.exported, model.as_ref()))?;
     let checked = if request.check { Some(export.check()?) } else { None };
-    let said = robot.in_words(&export, checked);
+    let remarks = robot.in_words(&export, checked);
     let Some((path, sidecar)) = request.out.as_ref().zip(sidecar) else {
-        remark(&said)?;
+        remark(&remarks)?;
         print(&export.text)?;
         return Ok(Ending::of(Some(robot.identified.verdict)));
     };
     let covariance = robot.covariance_json_or_reason()?;
     replace_file(path, export.text.as_bytes())?;
-    print(&format!("{said}\nwritten: {}\n", path.display()))?;
+    print(&format!("{remarks}\nwritten: {}\n", path.display()))?;
     print(&format!("         {}\n", write_sidecar(&sidecar, covariance)?))?;
     Ok(Ending::of(Some(robot.identified.verdict)))
 }
 
-/// Writes the covariance, or takes away that of an earlier export. Returns what there is to say of it.
+/// Writes the covariance, or removes that of an earlier export. Returns a line about it.
 fn write_sidecar(sidecar: &Path, covariance: Result<String, ExportError>) -> io::Result<String> {
     match covariance {
         Ok(text) => replace_file(sidecar, text.as_bytes()).map(|()| sidecar.display().to_string()),
         Err(reason) => {
             let removed = remove_own(sidecar)?;
-            let removed = if removed { format!("; removed: {} of before", sidecar.display()) } else { String::new() };
+            let removed =
+                if removed { format!("; removed: {} of an earlier export", sidecar.display()) } else { String::new() };
             Ok(format!("no covariance: {reason}{removed}"))
         }
     }
 }
 
-/// Writes robots drawn from the distribution of the estimates.
+/// Writes random robots from the distribution of the estimates.
 pub fn sample_robots(request: &Sample) -> Result<Ending, Box<dyn Error>> {
     let model = model(&request.exported)?;
     let identified = identified(&request.exported)?;
@@ -80,7 +81,7 @@ pub fn sample_robots(request: &Sample) -> Result<Ending, Box<dyn Error>> {
     Ok(Ending::of(Some(robot.identified.verdict)))
 }
 
-/// Makes the samples in a folder of their own, and moves them once all are there.
+/// Writes the samples into a temporary folder, and moves them once all are complete.
 fn write_samples(
     robot: &IdentifiedModel,
     target: Target<'_>,
@@ -90,11 +91,11 @@ fn write_samples(
     let unfinished = request.out.join(format!(".samples.{}.part", std::process::id()));
     fs::create_dir_all(&unfinished)?;
     let mut counter = Counter::new("samples");
-    let (mut waiting, samples) = (names.iter().enumerate(), (request.count, request.seed));
-    let made = robot.export_samples(samples, target, threads(None), |_, export| {
+    let mut waiting = names.iter().enumerate();
+    let made = robot.export_samples(request.count, request.seed, target, threads(None), |_, export| {
         let Some((done, name)) = waiting.next() else { return Ok(()) };
         fs::write(unfinished.join(name), export.text)?;
-        counter.tell(done + 1, names.len(), String::new());
+        counter.show(done + 1, names.len(), String::new());
         Ok::<(), Box<dyn Error>>(())
     });
     drop(counter);
@@ -105,7 +106,7 @@ fn write_samples(
     moved
 }
 
-/// Refuses a folder with samples of higher numbers: whoever reads it would mix them with these.
+/// Refuses a folder with samples of higher numbers: a reader would mix them with these.
 fn refuse_others(folder: &Path, count: u32, extension: &str) -> Result<(), Box<dyn Error>> {
     let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
     let higher = |name: String| {
@@ -116,21 +117,22 @@ fn refuse_others(folder: &Path, count: u32, extension: &str) -> Result<(), Box<d
     match names.min() {
         None => Ok(()),
         Some(name) => Err(format!(
-            "{}: is a sample that this command does not replace; give another folder with --out, or take it away with \
-             those beside it",
+            "{}: is a sample that this command does not replace; give another folder with --out, or remove the old \
+             samples",
             folder.join(name).display()
         )
         .into()),
     }
 }
 
-/// The model of the user's own that the robot goes into.
+/// The user's own model that gets the robot.
 fn model(request: &Exported) -> Result<Option<MjcfModel>, Box<dyn Error>> {
     match (&request.into, request.to) {
         (None, _) => Ok(None),
         (Some(path), Format::Mjcf) => Ok(Some(MjcfModel::read(path)?)),
         (Some(_), Format::Urdf | Format::Sdf | Format::Json) => {
-            Err("--into takes a MuJoCo model; give it with --to mjcf. A URDF that the robot was read from is edited without it".into())
+            Err("--into needs a MuJoCo model; use it with --to mjcf. A URDF of the robot is edited without --into"
+                .into())
         }
     }
 }
@@ -139,7 +141,7 @@ fn target<'a>(request: &Exported, model: Option<&'a MjcfModel>) -> Target<'a> {
     model.map_or(Target::File(request.to), Target::Into)
 }
 
-/// What is read is never replaced.
+/// Inputs are never replaced.
 fn guard(request: &Exported, identified: &IdentifiedRobot) -> OutputGuard {
     OutputGuard::new(identified.files.iter().chain(&request.into).cloned(), request.force.force)
 }
@@ -158,7 +160,7 @@ fn identified(request: &Exported) -> Result<IdentifiedRobot, ExperimentError> {
 }
 
 /// The file of the covariance.
-fn beside(path: &Path) -> PathBuf {
+fn covariance_file(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".covariance.json");
     path.with_file_name(name)

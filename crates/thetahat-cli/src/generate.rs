@@ -8,23 +8,24 @@ use std::{
 };
 
 use thetahat::{
+    Robot,
     experiment::{EstimateRequest, IdentifiedRobot},
-    output::{OutputGuard, replace_file},
     results::NOMINAL,
-    robot::{Locks, Robot, RobotSource},
+    robot::{Locks, RobotSource},
     symbolic::{Function, ParameterSet, Request, SymbolicError},
 };
+use thetahat_ground::output::{OutputGuard, replace_file};
 
 use crate::{
     arguments::{Generate, GeneratedParameters},
     terminal::{Ending, print},
 };
 
-/// A robot with the values of its standard parameters, where they are to be folded in.
+/// A robot with the values of its standard parameters, if the code contains them.
 struct Source {
     robot: Robot,
     theta: Option<Vec<f64>>,
-    /// Where they are from.
+    /// The origin of the values.
     about: Vec<String>,
     /// The files that were read.
     files: Vec<PathBuf>,
@@ -36,8 +37,8 @@ pub fn run(request: &Generate) -> Result<Ending, Box<dyn Error>> {
         OutputGuard::new(files, request.force.force).file(path)?;
     }
     let parameters = if request.base { ParameterSet::Base } else { ParameterSet::Standard };
-    let asked = Request { model: request.model, parameters, values: theta, drives: request.drives, about };
-    let function = Function::new(&robot, &asked)?;
+    let model = Request { model: request.model, parameters, values: theta, drives: request.drives, about };
+    let function = Function::new(&robot, &model)?;
     let code = request.to.code(&function, request.name.as_deref())?;
     let Some(path) = &request.out else {
         print(&code)?;
@@ -89,12 +90,15 @@ fn read_results(request: &Generate, path: PathBuf) -> Result<Source, Box<dyn Err
     };
     let mut about = vec![identified.origin()];
     if theta.is_some() {
-        about.push("values are estimates of base parameters, each at the standard parameter that it keeps".to_owned());
+        about.push(
+            "values are estimates of base parameters, each assigned to the standard parameter of the same name"
+                .to_owned(),
+        );
     }
     Ok(Source { robot: identified.robot, theta, about, files: identified.files })
 }
 
-/// Whether a file begins like JSON; one that cannot be read is left to its reader.
+/// Whether a file begins like JSON; its reader reports a file that cannot be read.
 fn is_json(path: &Path) -> bool {
     let mut head = Vec::new();
     let read = File::open(path).and_then(|file| file.take(64).read_to_end(&mut head));

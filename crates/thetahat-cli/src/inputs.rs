@@ -1,4 +1,4 @@
-//! What several commands take from their arguments.
+//! Inputs of several commands.
 
 use std::{
     error::Error,
@@ -6,14 +6,14 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use thetahat::experiment::Experiment;
+use thetahat::Experiment;
 
 use crate::arguments::Described;
 
 /// The experiment, and the folder of its data.
 pub fn read_experiment(described: &Described) -> Result<(Experiment, PathBuf), Box<dyn Error>> {
-    let beside = described.experiment.parent().map_or_else(PathBuf::new, Path::to_owned);
-    let data = described.data.clone().unwrap_or(beside);
+    let folder = described.experiment.parent().map_or_else(PathBuf::new, Path::to_owned);
+    let data = described.data.clone().unwrap_or(folder);
     let experiment = match &described.robot {
         Some(robot) => Experiment::read_with_robot(&described.experiment, robot)?,
         None => Experiment::read(&described.experiment, &data)?,
@@ -21,7 +21,7 @@ pub fn read_experiment(described: &Described) -> Result<(Experiment, PathBuf), B
     Ok((experiment, data))
 }
 
-/// The threads asked for, or one for each core.
-pub fn threads(asked: Option<usize>) -> usize {
-    asked.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, NonZero::get))
+/// The requested threads, or one for each core.
+pub fn threads(requested: Option<usize>) -> usize {
+    requested.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, NonZero::get))
 }

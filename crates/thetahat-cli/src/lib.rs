@@ -10,6 +10,7 @@ mod inputs;
 mod progress;
 mod proposal;
 mod reduction;
+mod remedies;
 mod shell;
 mod shown;
 mod terminal;
@@ -17,15 +18,15 @@ mod terminal;
 use std::{borrow::Cow, ffi::OsString};
 
 use clap::Parser;
-use thetahat::visible::visible_lines;
+use thetahat_ground::visible::visible_lines;
 
-/// Finished, but a nominal run is not to be trusted.
+/// Finished, but the verdict is do-not-use.
 const NOT_TRUSTED: u8 = 1;
 /// Stopped by an error.
 const ERROR: u8 = 2;
 
-/// Runs the command that the arguments ask for, the first of which is the name of the program; returns its exit code: 0 the
-/// verdict is good, or care; 1 finished, but the numbers are not to be used; 2 error.
+/// Runs the command in the arguments, the first of which is the name of the program; returns its exit code: 0 the
+/// verdict is good or care; 1 finished, but the verdict is do-not-use; 2 error.
 #[must_use]
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments = match arguments::Arguments::try_parse_from(arguments) {
@@ -36,20 +37,20 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(terminal::Ending::Good) => 0,
         Ok(terminal::Ending::NotTrusted) => NOT_TRUSTED,
         Err(error) => {
-            eprintln!("error: {}", visible_lines(&error.to_string()));
+            eprintln!("error: {}", visible_lines(&remedies::with_remedy(error.as_ref())));
             ERROR
         }
     }
 }
 
-/// Says what is wrong with the arguments, without what they hold for the terminal, or prints the help that they ask for.
+/// Reports an error in the arguments, with control characters made visible, or prints the requested help.
 fn refuse_arguments(error: &clap::Error) -> u8 {
     let text = error.to_string();
     if let Cow::Owned(visible) = visible_lines(&text) {
         eprint!("{visible}");
         return ERROR;
     }
-    // A reader that has gone away (`| head`) does not matter.
+    // A closed pipe (`| head`) is not an error.
     let _ = error.print();
     if error.use_stderr() { ERROR } else { 0 }
 }

@@ -1,4 +1,4 @@
-//! Progress on stderr for anything over a second.
+//! Progress on stderr for work longer than a second.
 
 use std::{
     io::IsTerminal,
@@ -6,12 +6,12 @@ use std::{
 };
 
 use indicatif::{ProgressBar, ProgressStyle};
-use thetahat::visible::visible;
+use thetahat_ground::visible::visible;
 
-/// How long to be silent.
+/// Time without output.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// How often a line is printed for counted work where there is no terminal.
+/// Time between lines for counted work without a terminal.
 const LINE_EVERY: Duration = Duration::from_secs(10);
 
 /// A spinner on a terminal, lines elsewhere; neither before a second has passed.
@@ -25,14 +25,14 @@ impl Progress {
         Self { started: Instant::now(), bar: None }
     }
 
-    /// Of one stage that takes seconds: told at once on a terminal, and not elsewhere.
+    /// For one stage of some seconds: shown at once on a terminal, not elsewhere.
     pub fn of(stage: &str) -> Self {
         let bar = std::io::stderr().is_terminal().then(spinner);
         bar.iter().for_each(|bar| bar.set_message(stage.to_owned()));
         Self { started: Instant::now(), bar }
     }
 
-    pub fn tell(&mut self, stage: &str) {
+    pub fn show(&mut self, stage: &str) {
         if self.started.elapsed() < PATIENCE {
             return;
         }
@@ -63,16 +63,16 @@ fn spinner() -> ProgressBar {
     bar
 }
 
-/// Counted work done, and the time left: a bar on a terminal, lines elsewhere. Gone when it is dropped.
+/// Counted work done, and the time left: a bar on a terminal, lines elsewhere. Dropping it removes the bar.
 pub struct Counter {
     unit: &'static str,
     started: Instant,
-    told: Option<Instant>,
+    last_shown: Option<Instant>,
     bar: Option<ProgressBar>,
 }
 
 impl Counter {
-    /// A counter of so-called pieces of work.
+    /// A counter of pieces of work with this name.
     pub fn new(unit: &'static str) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| ProgressBar::new(0));
         let template = format!("{{msg}} {{wide_bar}} {{pos}} of {{len}} {unit}, {{elapsed}} gone, {{eta}} left");
@@ -80,17 +80,17 @@ impl Counter {
             bar.set_style(style);
             bar.enable_steady_tick(Duration::from_millis(200));
         }
-        Self { unit, started: Instant::now(), told: None, bar }
+        Self { unit, started: Instant::now(), last_shown: None, bar }
     }
 
-    /// Says how far the work is; `message` is what else there is to say.
-    pub fn tell(&mut self, done: usize, to_do: usize, message: String) {
+    /// Shows the progress with an additional message.
+    pub fn show(&mut self, done: usize, to_do: usize, message: String) {
         if let Some(bar) = &self.bar {
             bar.set_length(to_do as u64);
             bar.set_position(done as u64);
             bar.set_message(message);
-        } else if self.told.is_none_or(|told| told.elapsed() >= LINE_EVERY) {
-            self.told = Some(Instant::now());
+        } else if self.last_shown.is_none_or(|last| last.elapsed() >= LINE_EVERY) {
+            self.last_shown = Some(Instant::now());
             let elapsed = self.started.elapsed().as_secs_f64();
             let left = elapsed / done.max(1) as f64 * to_do.saturating_sub(done) as f64;
             let left = if done > 0 { format!(", {left:.0} s left") } else { String::new() };

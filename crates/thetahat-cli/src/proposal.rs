@@ -1,4 +1,4 @@
-//! What is in recordings, and the experiment proposed for them.
+//! The content of recordings, and the experiment proposed for them.
 
 use std::{
     error::Error,
@@ -7,11 +7,11 @@ use std::{
 
 use thetahat::{
     experiment::{Proposal, ProposalFiles, ProposalRequest, propose},
-    output::{OutputGuard, replace_file},
     recording::{Contents, RecordingError, inspect_with_time},
-    report,
     robot::RobotSource,
 };
+use thetahat_ground::output::{OutputGuard, replace_file};
+use thetahat_report::report;
 
 use crate::{
     arguments::{Columns, Init, Inspect},
@@ -27,7 +27,7 @@ pub fn inspect_recordings(request: &Inspect) -> Result<Ending, Box<dyn Error>> {
         print(&format!("{}{}", if number > 0 { "\n" } else { "" }, report::contents_text(contents, width())))?;
     }
     if let Some(robot) = &request.robot {
-        let files = ProposalFiles::beside_recordings(robot.clone(), files);
+        let files = ProposalFiles::in_folder_of_recordings(robot.clone(), files);
         let proposal = proposal(&files, &request.columns, &contents)?;
         print(&format!("\nproposed experiment; `thetahat init` writes it:\n\n{}", proposal.text()))?;
     }
@@ -45,7 +45,7 @@ pub fn write_experiment(init: &Init) -> Result<Ending, Box<dyn Error>> {
     let to_fill_in: String = proposal.to_fill_in().iter().map(|what| format!("To fill in: {what}\n")).collect();
     let not_used: String = proposal.not_used().iter().map(|what| format!("{what}\n")).collect();
     print(&format!(
-        "written: {out}\n{not_used}{to_fill_in}Read it: what could not be known is marked as a guess. Then:\n  thetahat check {out}{options}\n  \
+        "written: {out}\n{not_used}{to_fill_in}Review it: assumptions are marked as guesses. Then:\n  thetahat check {out}{options}\n  \
          thetahat identify {out}{options}\n",
         out = init.out.display(),
         options = options_for(&files),
@@ -57,7 +57,7 @@ fn contents(files: &[PathBuf], columns: &Columns) -> Result<Vec<Contents>, Recor
     files.iter().map(|file| inspect_with_time(file, columns.time.as_deref())).collect()
 }
 
-/// What the command line must say about files that do not lie in the folder of the experiment.
+/// Options for files that are not in the folder of the experiment.
 fn options_for(files: &ProposalFiles) -> String {
     let data = files.data_folder();
     let mut options = String::new();
@@ -75,7 +75,7 @@ fn proposal(files: &ProposalFiles, columns: &Columns, contents: &[Contents]) -> 
     let request = files.name_in(request(columns));
     let source = RobotSource::read(&files.robot)?;
     let proposal = propose(&request, &source, contents)?;
-    let _progress = Progress::of("choosing the filter on a twin of the record");
+    let _progress = Progress::of("choosing the filter on a simulated twin of the recording");
     Ok(proposal.with_chosen_filter(source.to_text(), &files.data_folder(), threads(None))?)
 }
 

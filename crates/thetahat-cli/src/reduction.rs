@@ -3,14 +3,15 @@
 use std::{error::Error, path::Path};
 
 use thetahat::{
-    experiment::Experiment,
-    output::OutputGuard,
+    Experiment,
     reduction::{
         IntervalSource, ReduceOptions, ReduceProgress, ReducedRecording, Reduction, Solution, estimates_of_results,
     },
-    report::{self, Published},
+    report::Published,
     results::NotExamined,
 };
+use thetahat_ground::output::OutputGuard;
+use thetahat_report::report;
 
 use crate::{
     arguments,
@@ -28,10 +29,10 @@ pub fn reduce(request: &arguments::Reduce) -> Result<Ending, Box<dyn Error>> {
     let instruments =
         request.instruments_from.as_ref().map(|path| estimates_of_results(path, &experiment)).transpose()?;
     let mut counter = Counter::new("pieces");
-    let mut tell = |ReduceProgress { recording, recordings, done, to_do }| {
-        counter.tell(done, to_do, format!("recording {recording} of {recordings}, "));
+    let mut report_progress = |ReduceProgress { recording, recordings, done, to_do }| {
+        counter.show(done, to_do, format!("recording {recording} of {recordings}, "));
     };
-    let reduction = experiment.reduce_with_instruments(&data, instruments.as_ref(), options, &mut tell)?;
+    let reduction = experiment.reduce_with_instruments(&data, instruments.as_ref(), options, &mut report_progress)?;
     drop(counter);
     reduction.write(&request.out)?;
     let recordings: String = reduction.recordings.iter().map(line).collect();
@@ -40,7 +41,7 @@ pub fn reduce(request: &arguments::Reduce) -> Result<Ending, Box<dyn Error>> {
     Ok(Ending::Good)
 }
 
-/// What was reduced of a recording.
+/// A line on a reduced recording.
 fn line(r: &ReducedRecording) -> String {
     let [start, end] = r.window_s;
     let near_rest = r.near_rest.as_ref().map_or_else(String::new, |near_rest| {
@@ -48,7 +49,7 @@ fn line(r: &ReducedRecording) -> String {
         format!(", samples near rest left out (up to {most:.1} % of a joint's)")
     });
     format!(
-        "recording {}: {} samples at {:.6} Hz, {start:.4} to {end:.4} s, {} rows of each joint{near_rest}\n",
+        "recording {}: {} samples at {} Hz, {start:.4} to {end:.4} s, {} rows of each joint{near_rest}\n",
         r.name, r.samples, r.sample_rate_hz, r.rows
     )
 }
@@ -80,7 +81,7 @@ fn note(solution: &Solution, merged: Option<&Path>) -> String {
     format!("{intervals}{not_examined}{written}")
 }
 
-/// The published figures that the experiment names, where they are still where it was read.
+/// The published figures that the experiment names, if the file still exists.
 fn published(reduction: &Reduction) -> Option<Published> {
     let (text, robot) = (reduction.experiment_description.clone(), reduction.robot_description.clone());
     let experiment = Experiment::from_texts(Path::new(&reduction.experiment_name), text, robot).ok()?;

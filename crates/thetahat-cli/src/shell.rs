@@ -4,7 +4,7 @@ use std::{error::Error, fs};
 
 use clap::CommandFactory;
 use clap_complete::Shell;
-use thetahat::output::OutputGuard;
+use thetahat_ground::output::OutputGuard;
 
 use crate::{
     arguments::{Arguments, Man},
@@ -15,7 +15,7 @@ use crate::{
 const NAME: &str = "thetahat";
 
 pub fn print_completions(shell: Shell) -> Result<Ending, Box<dyn Error>> {
-    // In memory first: the generator panics where it cannot write, as into a closed pipe.
+    // In memory first: the generator panics if it cannot write, as into a closed pipe.
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Arguments::command(), NAME, &mut script);
     print(&String::from_utf8(script)?)?;
@@ -40,7 +40,7 @@ pub fn write_manual(request: &Man) -> Result<Ending, Box<dyn Error>> {
     Ok(Ending::Good)
 }
 
-/// The files of the manual: thetahat, and each command.
+/// The files of the manual: one for thetahat and one for each command.
 fn pages() -> Vec<String> {
     let command = Arguments::command();
     let of = |c: &clap::Command| format!("{NAME}-{}.1", c.get_name());

@@ -1,18 +1,16 @@
-//! How results are shown: the screen and the files, and last the verdict card.
+//! Output of results: the screen and the files, and last the verdict card.
 
 use std::{error::Error, path::Path};
 
-use thetahat::{
-    report::{self, Published},
-    results::{Results, Verdict},
-};
+use thetahat::{Results, report::Published, results::Verdict};
+use thetahat_report::report;
 
 use crate::{
     arguments::Output,
     terminal::{Ending, print, print_verdict, width},
 };
 
-/// Shows results in the way that was asked for and writes their files; `note` is what else there is to say.
+/// Shows results as requested and writes their files, with an additional note.
 pub fn show(
     results: &Results,
     published: Option<&Published>,
@@ -45,6 +43,6 @@ fn written(files: Option<&[impl AsRef<Path>]>, verdict: Option<Verdict>) -> Stri
         return "no files written (--out DIR writes them)\n".to_owned();
     };
     let names: String = files.iter().map(|f| format!("  {}\n", f.as_ref().display())).collect();
-    let not = if verdict == Some(Verdict::DoNotUse) { ", with numbers not to be used" } else { "" };
+    let not = if verdict == Some(Verdict::DoNotUse) { ", with numbers that must not be used" } else { "" };
     format!("written{not}:\n{names}")
 }

@@ -1,22 +1,20 @@
-//! What a command prints, and what it says of its result.
+//! Output and exit code of a command.
 
 use std::io::{self, Write};
 
 use anstyle::{AnsiColor, Style};
-use thetahat::{
-    report::{self, TextWidth},
-    results::{Results, Verdict},
-    visible::visible_lines,
-};
+use thetahat::{Results, results::Verdict};
+use thetahat_ground::visible::visible_lines;
+use thetahat_report::report::{self, TextWidth};
 
-/// What a finished command says of its result: its exit code.
+/// The outcome of a finished command: its exit code.
 pub enum Ending {
     Good,
     NotTrusted,
 }
 
 impl Ending {
-    /// Of results with this verdict; those without one were not judged.
+    /// The ending for results with this verdict, or without any.
     pub fn of(verdict: Option<Verdict>) -> Self {
         match verdict {
             Some(Verdict::Good | Verdict::Care) => Self::Good,
@@ -25,23 +23,23 @@ impl Ending {
     }
 }
 
-/// The columns that texts are laid out for: those of the terminal, or 80 where there is none.
+/// The columns for the layout of texts: those of the terminal, or 80 without a terminal.
 pub fn width() -> TextWidth {
     terminal_size::terminal_size_of(io::stdout())
         .map_or_else(TextWidth::default, |(columns, _)| TextWidth::new(columns.0.into()))
 }
 
-/// Prints; what names hold cannot steer the terminal. A reader that has gone away (`| head`) is no reason not to write the files.
+/// Prints with control characters made visible. A closed pipe (`| head`) is not an error: files are still written.
 pub fn print(text: &str) -> Result<(), io::Error> {
     whole(io::stdout().write_all(visible_lines(text).as_bytes()))
 }
 
-/// Says something beside what is printed, on stderr.
+/// Prints a remark on stderr.
 pub fn remark(text: &str) -> Result<(), io::Error> {
     whole(io::stderr().write_all(visible_lines(text).as_bytes()))
 }
 
-/// Prints the verdict in its colour, where stdout is a terminal that shows colours and NO_COLOR is not set.
+/// Prints the verdict in its colour, if stdout is a terminal with colours and NO_COLOR is not set.
 pub fn print_verdict(results: &Results) -> Result<(), io::Error> {
     let (headline, style) = (report::headline(results), style(results.verdict));
     whole(writeln!(anstream::stdout(), "{style}{}{style:#}", visible_lines(&headline)))

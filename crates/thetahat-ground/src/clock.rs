@@ -1,8 +1,8 @@
-//! The time that work took, on machines that have a clock.
+//! //! Elapsed time, where the machine has a clock.
 
 /// Measures elapsed time.
 ///
-/// `wasm32-unknown-unknown` has no clock, and the standard library's panics there: its stopwatches show 0.
+/// `wasm32-unknown-unknown` has no clock, and the standard library panics there: its stopwatches show 0.
 #[derive(Debug, Clone, Copy)]
 pub struct Stopwatch {
     #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
@@ -10,7 +10,7 @@ pub struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// A stopwatch that begins to run now.
+    /// A stopwatch that starts now.
     pub fn start() -> Self {
         Self {
             #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]

@@ -1,4 +1,4 @@
-//! Digests by which files are known again.
+//! Digests that identify the content of files.
 
 use sha2::{Digest, Sha256};
 

@@ -1,14 +1,26 @@
-//! What the crates of thetahat stand on. Internal: use the crate `thetahat`.
+//! Foundations shared by the crates of thetahat: numbers, vectors, linear algebra, series, files, threads. Internal: use the crate
+//! `thetahat`.
+
+pub mod series;
+
+pub mod linear_algebra;
+
+pub mod real;
+
+pub mod vector;
+
+pub mod pool;
 
 pub mod clock;
-pub mod digest;
-pub mod files;
-pub mod linear_algebra;
+
 pub mod number;
-pub mod one_or_each;
-pub mod output;
-pub mod pool;
-pub mod real;
-pub mod series;
-pub mod vector;
+
+pub mod files;
+
 pub mod visible;
+
+pub mod output;
+
+pub mod one_or_each;
+
+pub mod digest;

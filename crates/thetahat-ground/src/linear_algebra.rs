@@ -1,9 +1,9 @@
-//! Dense linear algebra: the one place that knows the library behind it.
+//! Dense linear algebra: the only module that uses the library faer.
 //!
 //! Least squares are solved by QR with column pivoting, never by normal equations.
 //!
 //! ```
-//! use thetahat::linear_algebra::{Matrix, PivotedQr};
+//! use thetahat_ground::linear_algebra::{Matrix, PivotedQr};
 //! // The line 1 + 2 t through four points.
 //! let x = Matrix::from_fn(4, 2, |i, j| if j == 0 { 1.0 } else { i as f64 });
 //! let qr = PivotedQr::new(&x);
@@ -84,7 +84,7 @@ impl Matrix {
         self.values[j * self.rows + i]
     }
 
-    /// All values, column by column, taken out.
+    /// All values, column by column; consumes the matrix.
     #[must_use]
     pub fn into_values(self) -> Vec<f64> {
         self.values
@@ -226,7 +226,7 @@ impl Matrix {
         (qr.rank(SINGULAR) == self.columns).then(|| qr.solve_matrix(&Self::identity(self.rows)))
     }
 
-    /// Matrices of equally many columns, one below the other.
+    /// Stacks matrices with the same number of columns vertically.
     #[must_use]
     pub fn stack(parts: &[&Self]) -> Self {
         let columns = parts.first().map_or(0, |part| part.columns);
@@ -234,9 +234,9 @@ impl Matrix {
         Self { rows: parts.iter().map(|part| part.rows).sum(), columns, values }
     }
 
-    /// Matrices of equally many rows, one beside the other.
+    /// Joins matrices with the same number of rows horizontally.
     #[must_use]
-    pub fn beside(parts: &[&Self]) -> Self {
+    pub fn side_by_side(parts: &[&Self]) -> Self {
         let values = parts.iter().flat_map(|part| &part.values).copied().collect();
         let columns = parts.iter().map(|part| part.columns).sum();
         Self { rows: parts.first().map_or(0, |part| part.rows), columns, values }
@@ -323,7 +323,7 @@ impl CholeskyFactor {
 /// Relative size of a diagonal entry of R below which a square matrix counts as singular.
 const SINGULAR: f64 = 1e-13;
 
-/// Size of a column relative to the largest below which it is taken for rounding.
+/// Norm of a column, relative to the largest, below which the column counts as rounding error.
 const ROUNDING: f64 = 1e-14;
 
 fn from_faer(a: MatRef<'_, f64>) -> Matrix {
@@ -350,7 +350,7 @@ pub struct PivotedQr {
 }
 
 impl PivotedQr {
-    /// Factorises `a` as it is.
+    /// Factorises `a` unchanged.
     #[must_use]
     pub fn new(a: &Matrix) -> Self {
         let first = a.view().qr();
@@ -358,11 +358,10 @@ impl PivotedQr {
         Self { first, pivoted, rows: a.rows, columns: a.columns, scale: vec![1.0; a.columns] }
     }
 
-    /// Factorises `a` with its columns brought to norms between 1 and 2.
-    ///
+    /// Factorises `a` with its columns scaled to norms between 1 and 2.
     /// Pivots and rank then do not depend on the units of the columns, and a matrix whose columns differ by orders of
-    /// magnitude keeps its digits. The factors are powers of two, so that scaling itself rounds nothing. A column at the
-    /// rounding level of the largest takes its factor, and stays at that level.
+    /// magnitude keeps its digits. The factors are powers of two, so that scaling itself rounds nothing. A column at the rounding level of
+    /// the largest is scaled by the largest column's factor, so that it stays at that level.
     #[must_use]
     pub fn with_equal_columns(a: &Matrix) -> Self {
         let sizes: Vec<f64> = (0..a.columns).map(|j| norm(a.column(j))).collect();
@@ -458,9 +457,9 @@ fn to_unit_magnitude(size: f64) -> f64 {
     if factor.is_normal() { factor } else { 1.0 }
 }
 
-/// The scalar product, in four sums side by side.
+/// The scalar product, in four interleaved sums.
 ///
-/// Entries of the longer vector behind the end of the shorter one are left out.
+/// Surplus entries of the longer vector are ignored.
 #[must_use]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let length = a.len().min(b.len());

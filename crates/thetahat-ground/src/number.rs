@@ -1,14 +1,14 @@
 //! Numbers as text.
 
-/// What stands where there is no number.
+/// Printed in place of a missing number.
 pub const NONE: &str = "-";
 
-/// Power of ten of the first digit.
+/// The decimal exponent of the leading digit.
 pub fn magnitude(value: f64) -> i32 {
     value.abs().log10().floor() as i32
 }
 
-/// A number with so many decimals, without a minus sign before zero.
+/// A number with the given number of decimals, without a minus sign before zero.
 pub fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
@@ -17,7 +17,7 @@ pub fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// A number with so many significant digits; very large and very small ones with a power of ten.
+/// A number with the given number of significant digits; very large and very small ones in exponential notation.
 pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return NONE.to_owned();

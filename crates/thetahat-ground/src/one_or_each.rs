@@ -1,4 +1,4 @@
-//! A value for all joints, or one for each: what every list per joint of an experiment or robot file may be.
+//! A value for all joints, or a list with one for each: the form of every per-joint key in experiment and robot files.
 
 use std::{fmt, marker::PhantomData};
 
@@ -10,7 +10,7 @@ use serde::{
 /// One value for all joints (motors, channels), or a list with one for each, in order.
 ///
 /// ```
-/// use thetahat::OneOrEach;
+/// use thetahat_ground::one_or_each::OneOrEach;
 /// #[derive(serde::Deserialize)]
 /// struct Keys {
 ///     gain: OneOrEach<f64>,
@@ -29,7 +29,7 @@ pub enum OneOrEach<T> {
 }
 
 impl<T> OneOrEach<T> {
-    /// The values as they were given: one, or the list.
+    /// The values as given: one value, or the list.
     #[must_use]
     pub fn given(&self) -> &[T] {
         match self {
@@ -38,7 +38,7 @@ impl<T> OneOrEach<T> {
         }
     }
 
-    /// Whether it is one value, or a list of `count`.
+    /// Whether this is one value, or a list of `count`.
     #[must_use]
     pub fn fits(&self, count: usize) -> bool {
         match self {
@@ -47,7 +47,7 @@ impl<T> OneOrEach<T> {
         }
     }
 
-    /// The value of number `index`, from zero.
+    /// The value at `index`, counted from zero.
     ///
     /// # Panics
     /// If the list is shorter.
@@ -67,7 +67,7 @@ impl<T> From<T> for OneOrEach<T> {
 }
 
 impl<T: Clone> OneOrEach<T> {
-    /// A list of `count`: the one value repeated, or the list as it is.
+    /// A list of `count` values: the one value repeated, or the list itself.
     #[must_use]
     pub fn to_list(&self, count: usize) -> Vec<T> {
         match self {
@@ -77,7 +77,7 @@ impl<T: Clone> OneOrEach<T> {
     }
 }
 
-/// Reads a list that may be one value for all: a list of one then.
+/// Deserializes a list; a single value becomes a list of one.
 ///
 /// # Errors
 /// The deserializer's.
@@ -85,7 +85,7 @@ pub fn list<'de, D: Deserializer<'de>, T: Deserialize<'de> + Clone>(from: D) -> 
     Ok(OneOrEach::deserialize(from)?.given().to_vec())
 }
 
-/// An untagged enum would lose the message of what is wrong inside.
+/// A visitor, because an untagged enum loses the message of what is wrong inside.
 struct ScalarOrList<T>(PhantomData<T>);
 
 impl<'de, T: Deserialize<'de>> Visitor<'de> for ScalarOrList<T> {
@@ -121,7 +121,14 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for OneOrEach<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use thetahat_data::recording::Unit;
+
+    #[derive(Debug, Deserialize, PartialEq)]
+    #[serde(rename_all = "lowercase")]
+    enum Unit {
+        Metre,
+        Radian,
+        Degree,
+    }
 
     #[derive(Debug, Deserialize)]
     struct Keys {
@@ -136,20 +143,17 @@ mod tests {
 
     #[test]
     fn scalars_and_lists_are_read() {
-        let keys: Keys = toml::from_str("number = 3\nunit = ['m', 'rad']").unwrap();
+        let keys: Keys = toml::from_str("number = 3\nunit = ['metre', 'radian']").unwrap();
         assert_eq!((keys.number, keys.unit), (vec![3.0], Some(OneOrEach::Each(vec![Unit::Metre, Unit::Radian]))));
-        let keys: Keys = toml::from_str("number = [3, 4.5]\nunit = 'deg'").unwrap();
+        let keys: Keys = toml::from_str("number = [3, 4.5]\nunit = 'degree'").unwrap();
         assert_eq!((keys.number, keys.unit), (vec![3.0, 4.5], Some(OneOrEach::One(Unit::Degree))));
     }
 
     #[test]
     fn what_is_wrong_inside_is_said() {
-        assert!(
-            message("unit = 'lbf'").starts_with("unknown unit \"lbf\"; the known units are"),
-            "{}",
-            message("unit = 'lbf'")
-        );
-        assert!(message("unit = ['m', 'lbf']").starts_with("unknown unit \"lbf\""));
+        let unknown = "unknown variant `lbf`, expected one of `metre`, `radian`, `degree`";
+        assert_eq!(message("unit = 'lbf'"), unknown);
+        assert_eq!(message("unit = ['metre', 'lbf']"), unknown);
         assert_eq!(message("number = 'a'"), "invalid type: string \"a\", expected f64");
         assert_eq!(
             message("number = true"),

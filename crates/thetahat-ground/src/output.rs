@@ -1,6 +1,6 @@
-//! Where files may be written: never over an input or a device, and over files of others only when forced.
+//! Where files may be written: never over an input or a device, and over files of other programs only with force.
 //!
-//! Every file of this program is known again by its first bytes.
+//! Every file of this program is recognised by its first bytes.
 
 use std::{
     fs::{self, File, Metadata},
@@ -8,7 +8,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// What files of this program have among their first bytes.
+/// Byte strings that mark a file as written by this program.
 const MARKS: [&[u8]; 15] = [
     b"\"thetahat\": \"",
     b"\"thetahat\":\"",
@@ -27,43 +27,45 @@ const MARKS: [&[u8]; 15] = [
     EXPORT.as_bytes(),
 ];
 
-/// How a simulated record begins: the quotes tell it from a record of others with the same columns, and no reader sees them.
+/// First bytes of a simulated recording: the quotes distinguish it from recordings of other programs with the same columns, and CSV readers
+/// ignore them.
 pub const RECORD: &str = "time_s,\"position_1\"";
 
-/// How a designed trajectory begins, likewise.
+/// First bytes of a designed trajectory, quoted likewise.
 pub const TRAJECTORY: &str = "time_s,\"q_1\"";
 
-/// How the comment of an exported robot begins.
+/// Beginning of the comment in an exported robot.
 pub const EXPORT: &str = "thetahat export ";
 
-/// How a proposed experiment begins.
+/// First bytes of a proposed experiment.
 pub const PROPOSAL: &str = "# Proposed by thetahat from ";
 
-/// First bytes among which a mark stands.
+/// Number of first bytes searched for a mark.
 const HEAD: u64 = 512;
 
-/// Why a file is not written.
+/// Why a file is not written. The remedy is another place, or, for [`OutputError::NotOurs`] and
+/// [`OutputError::MayHoldChanges`], a guard that is made with `force`.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OutputError {
-    /// The file is read by the same command.
-    #[error("{}: the command reads this file; give another file or folder with --out", path.display())]
+    /// The file is an input of the same run.
+    #[error("{}: is read as an input, and is not replaced", path.display())]
     IsInput {
         /// The file.
         path: PathBuf,
     },
     /// Something else than a file is there.
-    #[error("{}: expected a file, found {found}; give the name of a file with --out", path.display())]
+    #[error("{}: expected a file, found {found}", path.display())]
     NotAFile {
-        /// The place.
+        /// The path.
         path: PathBuf,
         /// A folder, a pipe or a device.
         found: &'static str,
     },
     /// Something else than a folder is there.
-    #[error("{}: expected a folder, found {found}; give another folder with --out", path.display())]
+    #[error("{}: expected a folder, found {found}", path.display())]
     NotAFolder {
-        /// The place.
+        /// The path.
         path: PathBuf,
         /// A file, a pipe or a device.
         found: &'static str,
@@ -75,35 +77,28 @@ pub enum OutputError {
         path: PathBuf,
     },
     /// A file is there that this program did not write.
-    #[error(
-        "{}: is there already and not known to be written by thetahat; give another place with --out, or replace it \
-         with --force",
-        path.display()
-    )]
+    #[error("{}: is there already and not known to be written by thetahat", path.display())]
     NotOurs {
         /// The file.
         path: PathBuf,
     },
     /// A file is there that this program wrote for the user to edit.
-    #[error(
-        "{}: is there already, and may hold your changes; give another place with --out, or replace it with --force",
-        path.display()
-    )]
+    #[error("{}: is there already, and may hold your changes", path.display())]
     MayHoldChanges {
         /// The file.
         path: PathBuf,
     },
-    /// What is there cannot be read.
+    /// The existing file cannot be read.
     #[error("{}: cannot be read: {source}", path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
 }
 
-/// What a command must not replace.
+/// Refuses to replace files that a command must not replace.
 #[derive(Debug, Clone, Default)]
 pub struct OutputGuard {
     inputs: Vec<PathBuf>,
@@ -111,7 +106,7 @@ pub struct OutputGuard {
 }
 
 impl OutputGuard {
-    /// Files that the command reads are never replaced, files of others with `force` only.
+    /// `inputs` are never replaced; files of other programs only with `force`.
     #[must_use]
     pub fn new(inputs: impl IntoIterator<Item = PathBuf>, force: bool) -> Self {
         Self { inputs: inputs.into_iter().filter_map(|path| path.canonicalize().ok()).collect(), force }
@@ -120,7 +115,7 @@ impl OutputGuard {
     /// Checks that a file can be written here.
     ///
     /// # Errors
-    /// [`OutputError`], with the remedy.
+    /// [`OutputError`].
     pub fn file(&self, path: &Path) -> Result<(), OutputError> {
         let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
         if !folder.is_dir() {
@@ -144,10 +139,10 @@ impl OutputGuard {
         if has_mark(&head) { Ok(()) } else { Err(OutputError::NotOurs { path: path.to_owned() }) }
     }
 
-    /// Checks that files of these names can be written into a folder, which need not be there.
+    /// Checks that files of these names can be written into a folder, which need not exist.
     ///
     /// # Errors
-    /// [`OutputError`], with the remedy.
+    /// [`OutputError`].
     pub fn folder<'n>(&self, folder: &Path, names: impl IntoIterator<Item = &'n str>) -> Result<(), OutputError> {
         let there = folder.ancestors().filter(|path| !path.as_os_str().is_empty()).find(|path| path.exists());
         if let Some(path) = there.filter(|path| !path.is_dir()) {
@@ -161,10 +156,10 @@ impl OutputGuard {
     }
 }
 
-/// Takes away a file of this program; one of others stays. Returns whether there was one.
+/// Removes a file of this program and keeps any other. Returns whether a file was removed.
 ///
 /// # Errors
-/// What the system says.
+/// The system's error.
 pub fn remove_own(path: &Path) -> io::Result<bool> {
     let is_there = path.is_file() && is_own(path)?;
     if is_there {
@@ -188,7 +183,7 @@ fn head(path: &Path) -> io::Result<Vec<u8>> {
     Ok(head)
 }
 
-/// What is at a place, in words.
+/// What a path is, in words.
 fn kind(metadata: &Metadata) -> &'static str {
     match (metadata.is_file(), metadata.is_dir()) {
         (true, _) => "a file",
@@ -197,10 +192,10 @@ fn kind(metadata: &Metadata) -> &'static str {
     }
 }
 
-/// Writes under a temporary name beside the file and renames: the file is there as a whole, or as it was.
+/// Writes a temporary file in the same folder and renames it, so that the file is replaced completely or not at all.
 ///
 /// # Errors
-/// What the system says.
+/// The system's error.
 pub fn replace_file(path: &Path, content: &[u8]) -> io::Result<()> {
     let name = path.file_name().ok_or(io::ErrorKind::InvalidFilename)?.to_string_lossy();
     if path.is_dir() {
@@ -209,11 +204,11 @@ pub fn replace_file(path: &Path, content: &[u8]) -> io::Result<()> {
     let temporary = path.with_file_name(format!(".{name}.{}.{TEMPORARY}", std::process::id()));
     let written = fs::write(&temporary, content).and_then(|()| fs::rename(&temporary, path));
     if written.is_err() {
-        // Where there is no temporary file, nothing is to be taken away.
+        // If there is no temporary file, nothing is left to remove.
         let _ = fs::remove_file(&temporary);
     }
     written
 }
 
-/// Extension of files that are being written.
+/// Extension of unfinished files.
 pub const TEMPORARY: &str = "part";

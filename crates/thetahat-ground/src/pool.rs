@@ -1,9 +1,8 @@
-//! Numbered work on several threads: pieces of a recording, cases, records of a campaign.
+//! An ordered parallel map: pieces of a recording, cases, runs of a campaign.
 //!
-//! Results do not depend on the number of threads, as long as `work` depends on its number alone. One thread is the
-//! calling one: none is started. Where the system gives no threads, the calling one does all the work. A page has those that
-//! it started for `rayon_core`, and work that is begun on one of them stays on it. A panic of the work is passed on to the
-//! caller.
+//! Results do not depend on the number of threads if `work` depends on its number alone. With one thread the caller does the work. If the
+//! system starts no threads, the caller does all of it. In wasm, the page's workers (`rayon_core`) are used, and work that is begun on one
+//! of them stays on it. A panic of the work is passed on to the caller.
 
 use std::{
     any::Any,
@@ -17,15 +16,15 @@ use std::{
     thread,
 };
 
-/// Numbers that are worked on, or wait to be taken, for each thread.
+/// Numbers begun or queued ahead, per thread.
 const AHEAD: usize = 3;
 
-/// As many threads as the machine runs at a time.
+/// The number of threads that the machine runs at a time.
 pub fn available_threads() -> usize {
     thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// `work` of each number below `count`, in the order of the numbers.
+/// Maps the numbers below `count` by `work`, in order.
 pub fn in_parallel<T: Send>(count: usize, threads: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let mut results = BTreeMap::new();
     let keep = |number, result| {
@@ -36,9 +35,9 @@ pub fn in_parallel<T: Send>(count: usize, threads: usize, work: impl Fn(usize) -
     results.into_values().collect()
 }
 
-/// Works on the numbers below `count` and takes the results as they are finished, in the calling thread.
+/// Works on the numbers below `count` and passes each result to `take` in the calling thread as soon as it is finished.
 ///
-/// With the first that `take` refuses no further work is begun, and its error is returned.
+/// If `take` returns an error, no further work is begun and the error is returned.
 pub fn as_finished<T: Send, E>(
     count: usize,
     threads: usize,
@@ -48,7 +47,7 @@ pub fn as_finished<T: Send, E>(
     run(count, threads, work, |number, result| take(number, result).map(|()| 1))
 }
 
-/// The same, taken in the order of the numbers: no more than [`AHEAD`] results per thread exist at a time.
+/// As [`as_finished`], but in the order of the numbers: no more than [`AHEAD`] results per thread exist at a time.
 pub fn in_order<T: Send, E>(
     count: usize,
     threads: usize,
@@ -67,7 +66,7 @@ pub fn in_order<T: Send, E>(
     })
 }
 
-/// Works on the numbers below `count`; `take` says how many further ones may be begun for a result.
+/// Works on the numbers below `count`; `take` returns how many further numbers may be begun after a result.
 fn run<T: Send, E>(
     count: usize,
     threads: usize,
@@ -82,14 +81,14 @@ fn run<T: Send, E>(
     let (queue, work) = (&Queue { numbers: Mutex::new(numbers), stopped: AtomicBool::new(false) }, &work);
     let (done, results) = mpsc::channel();
     let serve = || queue.serve(work, &done);
-    // Whatever ends this closure drops `to_do`, at which the threads end.
-    beside(threads, &serve, move |threads| {
+    // When this closure returns, `to_do` is dropped, and the threads end.
+    with_workers(threads, &serve, move |threads| {
         if threads == 0 {
             return in_caller(count, work, take);
         }
         let mut left = 0..count;
         let mut begin = |more: usize| left.by_ref().take(more).try_for_each(|number| to_do.send(number));
-        // There are threads to take a number as long as this one runs.
+        // While this runs, there are threads to receive a number.
         let _ = begin(AHEAD.saturating_mul(threads));
         for (number, result) in results.iter().take(count) {
             let taken = take(number, result.unwrap_or_else(|panic| resume_unwind(panic)));
@@ -99,9 +98,9 @@ fn run<T: Send, E>(
     })
 }
 
-/// `body` in the calling thread beside as many threads as there are, up to the number given, that each run `serve`.
+/// Runs `body` in the calling thread while up to `threads` worker threads run `serve`.
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
-fn beside<R>(threads: usize, serve: &(impl Fn() + Sync), body: impl FnOnce(usize) -> R) -> R {
+fn with_workers<R>(threads: usize, serve: &(impl Fn() + Sync), body: impl FnOnce(usize) -> R) -> R {
     thread::scope(|scope| {
         let start = |_: &usize| thread::Builder::new().spawn_scoped(scope, serve).is_ok();
         body((0..threads).take_while(start).count())
@@ -109,8 +108,8 @@ fn beside<R>(threads: usize, serve: &(impl Fn() + Sync), body: impl FnOnce(usize
 }
 
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-fn beside<R>(threads: usize, serve: &(impl Fn() + Sync), body: impl FnOnce(usize) -> R) -> R {
-    // A thread of the pool that waited for others of it could wait for ever.
+fn with_workers<R>(threads: usize, serve: &(impl Fn() + Sync), body: impl FnOnce(usize) -> R) -> R {
+    // A pool thread that waited for other pool threads could wait forever.
     let is_of_pool = rayon_core::current_thread_index().is_some();
     let threads = if is_of_pool { 0 } else { threads.min(rayon_core::current_num_threads()) };
     rayon_core::in_place_scope(|scope| {
@@ -145,7 +144,7 @@ impl Queue {
         (!self.stopped.load(Ordering::Relaxed)).then_some(number)
     }
 
-    /// One thread: it works until there is nothing more, or nobody who takes it.
+    /// Loop of one thread: it works until no number is left or the receiver is gone.
     fn serve<T>(&self, work: impl Fn(usize) -> T, done: &mpsc::Sender<Finished<T>>) {
         while let Some(number) = self.next() {
             let result = catch_unwind(AssertUnwindSafe(|| work(number)));

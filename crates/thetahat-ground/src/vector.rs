@@ -2,26 +2,33 @@
 
 use crate::real::{Parameter, Real};
 
+/// A vector of three.
 pub type Vec3<T = f64> = [T; 3];
+/// A matrix of three rows.
 pub type Mat3<T = f64> = [[T; 3]; 3];
 
+/// The identity.
 pub const IDENTITY: Mat3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
+/// `a + b`.
 #[inline(always)]
 pub fn add<T: Real>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
+/// `s a`.
 #[inline(always)]
 pub fn scale<T: Real>(s: T, a: Vec3<T>) -> Vec3<T> {
     [s * a[0], s * a[1], s * a[2]]
 }
 
+/// `a . b`.
 #[inline(always)]
 pub fn dot<T: Real>(a: Vec3<T>, b: Vec3<T>) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// `a x b`.
 #[inline(always)]
 pub fn cross<T: Real>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
@@ -46,7 +53,7 @@ pub fn transpose_times<T: Real>(a: &Mat3, x: Vec3<T>) -> Vec3<T> {
     [column(0), column(1), column(2)]
 }
 
-/// A constant vector, in every lane; or one for each.
+/// A constant vector in every lane, or one vector for each lane.
 #[inline(always)]
 pub fn in_lanes<T: Real, P: Parameter<T>>(kind: T, v: Vec3<P>) -> Vec3<T> {
     [v[0].in_lanes(kind), v[1].in_lanes(kind), v[2].in_lanes(kind)]
@@ -57,6 +64,7 @@ pub fn product(a: &Mat3, b: &Mat3) -> Mat3 {
     a.map(|row| transpose_times(b, row))
 }
 
+/// `A^T`.
 pub fn transpose(a: &Mat3) -> Mat3 {
     [0, 1, 2].map(|j| [a[0][j], a[1][j], a[2][j]])
 }
@@ -66,6 +74,7 @@ pub fn turned(r: &Mat3, b: &Mat3) -> Mat3 {
     product(&product(r, b), &transpose(r))
 }
 
+/// `|a|`.
 pub fn norm(a: Vec3) -> f64 {
     dot(a, a).sqrt()
 }
@@ -93,7 +102,7 @@ pub fn quaternion_rotation([w, x, y, z]: [f64; 4]) -> Mat3 {
     ]
 }
 
-/// A rotation with a z axis: the identity where it is z, exact zeros and ones where it is an axis of the frame.
+/// A rotation with the given z axis: the identity where it is z, with exact zeros and ones where it is an axis of the frame.
 pub fn with_z(z: Vec3) -> Mat3 {
     let size = |i: &usize| z[*i].abs();
     let largest = [2, 0, 1].into_iter().reduce(|a, b| if size(&b) > size(&a) { b } else { a }).unwrap_or(2);

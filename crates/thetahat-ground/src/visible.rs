@@ -1,22 +1,21 @@
-//! Texts of others, names above all, that cannot steer a terminal or a spreadsheet.
+//! Makes text from outside, such as names, safe to print: it cannot steer a terminal or a spreadsheet.
 
 use std::borrow::Cow;
 
-/// A text with every control character written out, `\u{1b}` for the one that starts a terminal's commands, and so that it
-/// is one line.
+/// The text on one line with every control character escaped, for example `\u{1b}`, which starts a terminal's commands.
 #[must_use]
 pub fn visible(text: &str) -> Cow<'_, str> {
     escaped(text, steers)
 }
 
-/// The same of a text of several lines: line ends and tabs stay.
+/// The text with control characters escaped; line ends and tabs stay.
 #[must_use]
 pub fn visible_lines(text: &str) -> Cow<'_, str> {
     escaped(text, |c| steers(c) && !matches!(c, '\n' | '\t'))
 }
 
-/// A text as a cell of a CSV file: visible, and with an apostrophe before what a spreadsheet would take for a formula.
-/// Numbers stay numbers.
+/// The text as a cell of a CSV file: escaped, and with an apostrophe before anything that a spreadsheet would read as a formula. Numbers
+/// stay numbers.
 #[must_use]
 pub fn cell(text: &str) -> Cow<'_, str> {
     let text = visible(text);
@@ -35,7 +34,7 @@ fn escaped(text: &str, hidden: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// Control characters, line and paragraph separators, and the marks that turn the direction of writing.
+/// Control characters, line and paragraph separators, and marks that change the direction of writing.
 fn steers(c: char) -> bool {
     c.is_control() || matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }

@@ -148,11 +148,11 @@ def killed() -> None:
             killer = threading.Thread(target=kill_one, args=(engine, out / "parts", pids), daemon=True)
             killer.start()
             with clock() as taken:
-                distributed.campaign(path, out, engine=engine, workers=WORKERS, records_per_job=1)
+                distributed.campaign(path, out, engine=engine, workers=WORKERS, recordings_per_job=1)
             killer.join()
             same = (out / "runs.parquet").read_bytes() == rows
             print(f"killed worker, {engine}: {len(pids)} killed, {taken[0]:.2f} s, same bytes: {same}")
-        code = "import sys, thetahat as th\nif __name__ == '__main__': th.distributed.campaign(sys.argv[1], sys.argv[2], engine=sys.argv[3], workers=2, records_per_job=1)"
+        code = "import sys, thetahat as th\nif __name__ == '__main__': th.distributed.campaign(sys.argv[1], sys.argv[2], engine=sys.argv[3], workers=2, recordings_per_job=1)"
         script = folder / "driver.py"
         script.write_text(code)
         for engine in engines():
@@ -169,7 +169,7 @@ def killed() -> None:
             kept = len(list((out / "parts").glob("*.parquet")))
             told: list[str] = []
             with clock() as taken:
-                distributed.campaign(path, out, engine=engine, workers=WORKERS, records_per_job=1, progress=told.append)
+                distributed.campaign(path, out, engine=engine, workers=WORKERS, recordings_per_job=1, progress=told.append)
             same = (out / "runs.parquet").read_bytes() == rows
             print(f"killed driver, {engine}: {kept} of 64 records kept, then {told[-1]} in {taken[0]:.2f} s, same bytes: {same}")
 

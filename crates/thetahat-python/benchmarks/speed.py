@@ -1,6 +1,6 @@
 """What Python costs: `python crates/thetahat-python/benchmarks/speed.py DATA`, where DATA holds `tx40/`, in the checkout.
 
-The same work by the library without Python (the example `arrays`) and, for the regressor, by
+The same work by the library without Python (the study `arrays`) and, for the regressor, by
 Pinocchio's function in a loop of Python, where `pin` is installed. The best of several times counts.
 """
 
@@ -32,8 +32,8 @@ def import_seconds():
 
 
 def library(data):
-    subprocess.run(["cargo", "build", "--quiet", "--release", "--workspace", "--example", "arrays"], check=True)
-    lines = subprocess.check_output(["target/release/examples/arrays", str(data)], text=True).split("\n")
+    subprocess.run(["cargo", "build", "--quiet", "--release", "--package", "thetahat", "--example", "studies"], check=True)
+    lines = subprocess.check_output(["target/release/examples/studies", "arrays", str(data)], text=True).split("\n")
     return {name: float(seconds) for name, seconds in (line.split() for line in lines if line)}
 
 

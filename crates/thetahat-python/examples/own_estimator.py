@@ -1,4 +1,4 @@
-"""An estimator of one's own beside those of thetahat: Huber's M-estimator, which outliers of the torques move little."""
+"""Your own estimator next to those of thetahat: Huber's M-estimator, which is robust to outliers of the torques."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,11 +7,11 @@ import thetahat as th
 
 Array = NDArray[np.float64]
 
-THRESHOLD = 1.345  # deviations, beyond which a row counts less
+THRESHOLD = 1.345  # deviations, beyond which a row has a smaller weight
 
 
 def huber(regression: th.Regression) -> Array:
-    """Least squares again and again, with rows that count less the farther off they are."""
+    """Iteratively reweighted least squares: rows with larger residuals get smaller weights."""
     X, y = regression.X, regression.y
     weights = np.ones_like(y)
     theta: Array = np.zeros(X.shape[1])

@@ -1,4 +1,4 @@
-"""A method and a friction law of one's own, between the pieces of thetahat: ridge regression, with friction in the cube of the
+"""Your own method and friction law, with the building blocks of thetahat: ridge regression, with friction proportional to the cube of the
 first joint's velocity."""
 
 import numpy as np
@@ -15,7 +15,7 @@ AT_REST = 0.1  # rad/s: below it, the sign of Coulomb friction is not known
 
 
 def ridge(matrix: Array, y: Array, weight: float) -> Array:
-    """Least squares that are drawn to zero, column by column in units of the column."""
+    """Least squares regularized towards zero, each column in its own units."""
     scale = np.linalg.norm(matrix, axis=0)
     rows = np.vstack([matrix / scale, weight * np.eye(len(scale))])
     solution = np.linalg.lstsq(rows, np.concatenate([y, np.zeros(len(scale))]), rcond=None)[0]
@@ -29,7 +29,7 @@ def main() -> None:
     cube = np.zeros((*phi.shape[:2], 1))
     cube[:, 0, 0] = motion.velocity[:, 0] ** 3
     phi = np.concatenate([phi, cube], axis=2)
-    # Samples near rest and at the ends of the filter are left out of both sides; then both go through the same decimation.
+    # Samples near rest and at the ends of the filter are left out on both sides; then both are decimated in the same way.
     moving = np.abs(motion.velocity) > AT_REST
     moving[:ENDS] = moving[-ENDS:] = False
     assert twin.recording.torque is not None

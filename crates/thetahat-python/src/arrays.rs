@@ -1,5 +1,5 @@
 //! Between arrays of NumPy and series of the library. An array has a row for each sample and a column for each channel, in C
-//! order, in Fortran order or as a slice of another: it is read where it lies.
+//! order, in Fortran order or as a slice of another: it is read in place.
 
 use std::ops::Range;
 
@@ -8,31 +8,31 @@ use numpy::{
     ndarray::{Array2, ArrayView2, Axis, ShapeBuilder, Slice},
 };
 use pyo3::prelude::*;
-use thetahat::{dynamics::DynamicsError, linear_algebra::Matrix, series::Series};
+use thetahat::{Matrix, Series, dynamics::DynamicsError};
 
 use crate::python_error::PythonError;
 
-/// Samples of a piece: what is copied of the inputs stays in the cache, and signals are looked at many times a second.
+/// Samples of a piece: its inputs fit in the cache, and signals are checked many times a second.
 const PIECE: usize = 8192;
 
 /// A copy of an array, or of a part of it.
 pub fn series_of(array: ArrayView2<'_, f64>) -> Series {
-    Series::from_values(array.ncols(), array.iter().copied().collect())
+    Series::shaped(array.ncols(), array.iter().copied().collect())
 }
 
-/// A series as an array, in the memory that it has.
+/// A series as an array, without a copy.
 pub fn array_of(py: Python<'_>, series: Series) -> PyResult<Bound<'_, PyArray2<f64>>> {
     let (samples, channels) = (series.len(), series.channels());
     rows(py, samples, channels, series.into_values())
 }
 
-/// Values row by row as an array, in the memory that they have.
+/// Values row by row as an array, without a copy.
 pub fn rows(py: Python<'_>, rows: usize, columns: usize, values: Vec<f64>) -> PyResult<Bound<'_, PyArray2<f64>>> {
     let array = Array2::from_shape_vec((rows, columns), values).map_err(shape_error)?;
     Ok(PyArray2::from_owned_array(py, array))
 }
 
-/// A matrix as an array in Fortran order, in the memory that it has.
+/// A matrix as an array in Fortran order, without a copy.
 pub fn matrix_array(py: Python<'_>, matrix: Matrix) -> PyResult<Bound<'_, PyArray2<f64>>> {
     let shape = (matrix.rows(), matrix.columns());
     let array = Array2::from_shape_vec(shape.f(), matrix.into_values()).map_err(shape_error)?;
@@ -51,7 +51,7 @@ fn shape_error(error: numpy::ndarray::ShapeError) -> PyErr {
 /// The sample at which there is no value, and why.
 type Failed = (usize, DynamicsError);
 
-/// Arrays of as many samples and channels, which are worked on in pieces.
+/// Arrays with the same samples and channels, processed in pieces.
 pub struct Samples<'a, const N: usize> {
     arrays: [ArrayView2<'a, f64>; N],
 }
@@ -67,9 +67,9 @@ impl<'a, const N: usize> Samples<'a, N> {
     }
 
     /// Fills `out`, an array in C order with as many values for each sample, piece by piece: without the interpreter's lock,
-    /// which is taken between pieces to look at signals.
+    /// which is acquired between pieces to check signals.
     ///
-    /// The package makes these arrays: NumPy asks for memory in large pages, which are soon there.
+    /// The package allocates these arrays: NumPy allocates large pages, which is fast.
     pub fn fill(
         &self,
         py: Python<'_>,
@@ -105,5 +105,5 @@ impl<'a, const N: usize> Samples<'a, N> {
     }
 }
 
-/// Samples that are copied at a time: some ten kilobytes.
+/// Samples copied at a time: some ten kilobytes.
 const CACHED: usize = 256;

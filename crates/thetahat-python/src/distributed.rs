@@ -9,22 +9,22 @@ use pyo3::{prelude::*, types::PyBytes};
 use thetahat::{
     Experiment,
     campaign::{self, Campaign, Key, Row, Store, Subset},
-    output::{OutputError, OutputGuard},
     reduction::{ReduceOptions, Reduction, estimates_of_results},
-    report::{self, TextWidth},
-    statistics,
 };
+use thetahat_estimation::statistics;
+use thetahat_ground::output::{OutputError, OutputGuard};
+use thetahat_report::report::{self, TextWidth};
 
-use crate::{python_error::PythonError, results::Results, robot::Robot};
+use crate::{python_error::PythonError, remedies, results::Results, robot::Robot};
 
-/// The texts of a campaign, of its experiment and of its robot, each of the first two behind its path, and the SHA-256 of the file that
+/// The texts of a campaign, of its experiment and of its robot, each of the first two after its path, and the SHA-256 of the file that
 /// the twin follows, if it follows one.
 type CampaignTexts = (PathBuf, String, PathBuf, String, String, Option<String>);
 
-/// The place of a record: noise level, start and seed, from zero.
+/// The index of a recording: noise level, start and seed, from zero.
 type Place = (u32, u32, u32);
 
-/// Reads a campaign; its texts are all that a job needs, beside the file that the twin follows. Paths are absolute: a worker may be in
+/// Reads a campaign; a job needs only its texts and the file that the twin follows. Paths are absolute: a worker may be in
 /// another folder.
 #[pyfunction]
 pub fn campaign_texts(path: PathBuf) -> Result<CampaignTexts, PythonError> {
@@ -33,12 +33,12 @@ pub fn campaign_texts(path: PathBuf) -> Result<CampaignTexts, PythonError> {
     Ok((absolute(path), text, absolute(experiment.path), experiment.text, experiment.robot_text, followed))
 }
 
-/// The path from the root; as it is where the system does not tell the present folder.
+/// The absolute path; unchanged if the system does not report the current folder.
 fn absolute(path: PathBuf) -> PathBuf {
     std::path::absolute(&path).unwrap_or(path)
 }
 
-/// What all records of a campaign share, made from its texts.
+/// The shared data of all recordings of a campaign, made from its texts.
 #[pyclass(frozen, module = "thetahat._thetahat")]
 #[derive(Debug)]
 pub struct Bench(campaign::Bench);
@@ -53,14 +53,14 @@ impl Bench {
         })
     }
 
-    /// Runs records: the content of a part of the campaign's store.
+    /// Runs recordings: the content of a part of the campaign's store.
     fn part<'py>(&self, py: Python<'py>, places: Vec<Place>) -> Result<Bound<'py, PyBytes>, PythonError> {
         let keys: Vec<Key> = places.into_iter().map(|(level, start, seed)| Key { level, start, seed }).collect();
         let content = py.detach(|| self.0.part(&keys))?;
         Ok(PyBytes::new(py, &content))
     }
 
-    /// The records that a folder does not have yet; it must be new or empty, or hold runs of this campaign.
+    /// The recordings that a folder does not have yet; it must be new or empty, or contain runs of this campaign.
     fn missing(
         &self,
         py: Python<'_>,
@@ -80,16 +80,13 @@ impl Bench {
     }
 }
 
-/// Why a campaign's page is not written; unlike the command's, that of others is never replaced.
+/// Why a campaign's page is not written; unlike the command, this never replaces a page of another origin.
 fn not_replaced(error: OutputError) -> PythonError {
-    if let OutputError::NotOurs { path } = &error {
-        let problem = "is there already and not known to be written by thetahat; take another `out`";
-        return PythonError::new("CampaignError", format!("{}: {problem}", path.display()));
-    }
-    PythonError::new("CampaignError", error)
+    let remedy = remedies::of_campaign_folder(&error);
+    PythonError::with_remedy("CampaignError", error, remedy)
 }
 
-/// Puts the parts of a folder together, as the command `campaign` does at its end: the tables, the runs, those that converged, and
+/// Combines the parts of a folder, as the command `campaign` does at its end: the tables, the numbers of runs and of converged runs, and
 /// the files.
 #[pyfunction]
 pub fn finish_campaign(
@@ -126,11 +123,11 @@ fn subset((starts, seeds): (Option<u32>, Option<u32>)) -> Subset {
     Subset { starts, seeds }
 }
 
-/// The texts of an experiment and of its robot, the first behind its path.
+/// The texts of an experiment and of its robot, the first after its path.
 type ExperimentTexts = (PathBuf, String, String);
 
-/// Reads an experiment: its texts, the files that a run reads, and the number of its recordings, one for a twin. Where a run reads a file
-/// beside the experiment, its path is absolute: a worker may be in another folder.
+/// Reads an experiment: its texts, the files that a run reads, and the number of its recordings, one for a twin. If a run reads a file
+/// next to the experiment, its path is absolute: a worker may be in another folder.
 #[pyfunction]
 pub fn experiment_texts(
     path: PathBuf,
@@ -142,8 +139,8 @@ pub fn experiment_texts(
         None => Experiment::read(&path, &data)?,
     };
     let (files, recordings) = (experiment.input_files(&data), experiment.file.recording.len());
-    let reads_beside = experiment.file.twin.as_ref().is_some_and(|twin| twin.reference.is_some());
-    let path = if reads_beside { absolute(experiment.path) } else { experiment.path };
+    let reads_neighbour = experiment.file.twin.as_ref().is_some_and(|twin| twin.reference.is_some());
+    let path = if reads_neighbour { absolute(experiment.path) } else { experiment.path };
     Ok(((path, experiment.text, experiment.robot_text), files, recordings.max(1)))
 }
 
@@ -151,7 +148,7 @@ fn experiment_of((path, text, robot): ExperimentTexts) -> Result<Experiment, Pyt
     Ok(Experiment::from_texts(&path, text, robot)?)
 }
 
-/// Runs an experiment of texts on one thread: jobs are run side by side.
+/// Runs an experiment from texts on one thread: jobs run in parallel.
 #[pyfunction]
 pub fn run_texts(py: Python<'_>, texts: ExperimentTexts, data: PathBuf) -> Result<Results, PythonError> {
     py.detach(|| {
@@ -161,7 +158,7 @@ pub fn run_texts(py: Python<'_>, texts: ExperimentTexts, data: PathBuf) -> Resul
     })
 }
 
-/// Start and end of what is reduced of each recording of an experiment, s.
+/// Start and end of the reduced part of each recording of an experiment, s.
 #[pyfunction]
 pub fn recording_spans(py: Python<'_>, texts: ExperimentTexts, data: PathBuf) -> Result<Vec<[f64; 2]>, PythonError> {
     py.detach(|| Ok(experiment_of(texts)?.recording_spans_s(&data)?))
@@ -173,7 +170,7 @@ pub fn instruments_of(path: PathBuf, texts: ExperimentTexts) -> Result<BTreeMap<
     Ok(estimates_of_results(&path, &experiment_of(texts)?)?)
 }
 
-/// Reduces a recording of an experiment, or a stretch of its time: the content of the file.
+/// Reduces a recording of an experiment, or a time segment of it: the content of the file.
 #[pyfunction]
 pub fn reduce<'py>(
     py: Python<'py>,
@@ -192,7 +189,7 @@ pub fn reduce<'py>(
     Ok(PyBytes::new(py, &content))
 }
 
-/// Merges reductions, each the content of a file behind its name, in their order.
+/// Merges reductions, each given by the name and content of its file, in their order.
 #[pyfunction]
 pub fn merge<'py>(py: Python<'py>, reductions: Vec<(PathBuf, Vec<u8>)>) -> Result<Bound<'py, PyBytes>, PythonError> {
     let content = py.detach(|| {
@@ -219,19 +216,19 @@ fn bytes_of(reduction: &Reduction) -> Result<Vec<u8>, PythonError> {
     reduction.to_bytes().map_err(|e| PythonError::new("ReductionError", e))
 }
 
-/// Probability that a chi-squared of so many degrees of freedom is at least as large; NaN where there is none.
+/// Probability that a chi-squared variable is at least as large; NaN without degrees of freedom.
 #[pyfunction]
 pub fn chi_squared_probability(statistic: f64, freedom: usize) -> f64 {
     statistics::chi_squared_test(statistic, freedom).map_or(f64::NAN, |test| test.p_value)
 }
 
-/// The same of an F.
+/// The same for an F variable.
 #[pyfunction]
 pub fn f_probability(statistic: f64, numerator_freedom: f64, denominator_freedom: f64) -> f64 {
     statistics::f_probability(statistic, numerator_freedom, denominator_freedom).unwrap_or(f64::NAN)
 }
 
-/// The quantile of Student's t; NaN where there is none.
+/// The quantile of Student's t; NaN without degrees of freedom.
 #[pyfunction]
 pub fn t_quantile(probability: f64, freedom: f64) -> f64 {
     statistics::t_quantile(probability, freedom).unwrap_or(f64::NAN)

@@ -1,4 +1,4 @@
-//! The regression and its estimators, piece by piece.
+//! The regression and its estimators as building blocks.
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -15,7 +15,7 @@ use crate::{
     robot::{Robot, sign_of, vector_of},
 };
 
-/// The decimated observation matrix of a motion: joint by joint, each joint's rows in time order.
+/// The decimated observation matrix of a motion: rows ordered by joint, then by time.
 #[pyfunction]
 pub fn observation_matrix<'py>(
     py: Python<'py>,

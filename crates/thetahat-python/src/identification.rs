@@ -1,14 +1,14 @@
-//! The whole way: recordings and settings, or an experiment file, to results.
+//! Identification from recordings and settings, or from an experiment file.
 
 use std::path::PathBuf;
 
 use numpy::{IntoPyArray, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use thetahat::{
-    Experiment, Identification, Settings,
+    Experiment, Identification, Method, Settings,
     experiment::ProposedSignal,
     filter_choice,
-    identification::{Method, UserEstimate, UserEstimator, UserRegression},
+    identification::{UserEstimate, UserEstimator, UserRegression},
 };
 
 use crate::{
@@ -21,7 +21,7 @@ use crate::{
     values,
 };
 
-/// Identifies a robot from recordings, and validates on others, with settings and estimators of the user's own, on so many threads;
+/// Identifies a robot from recordings, and validates on others, with settings and the user's own estimators, on a number of threads;
 /// without a number on all processors.
 #[pyfunction]
 pub fn identify(
@@ -42,21 +42,21 @@ pub fn identify(
         .collect::<Result<Vec<_>, PythonError>>()?;
     let robot = robot.clone();
     let (description, robot_files) = (robot.description(), robot.source()?.files());
-    let results = interruptible::run(py, progress, move |tell| {
-        tell("reading and filtering the recordings");
+    let results = interruptible::run(py, progress, move |report_stage| {
+        report_stage("reading and filtering the recordings");
         let identification = Identification::new(&robot.robot, recordings, settings)?.with_validation(validation)?;
         let identification = match threads {
             Some(threads) => identification.on_threads(threads),
             None => identification,
         };
         let identification = estimators.into_iter().try_fold(identification, Identification::with_estimator)?;
-        Ok(identification.run_with_progress(tell)?)
+        Ok(identification.run_with_progress(report_stage)?)
     })?;
     let results = thetahat::Results { title, robot_description: description, robot_files, ..results };
     Ok(Results::new(results, None))
 }
 
-/// An estimator of the user's own: a function of arrays that returns parameters and their covariance.
+/// The user's own estimator: a function of arrays that returns parameters and their covariance.
 fn user_estimator(name: &str, function: Py<PyAny>) -> Result<UserEstimator, PythonError> {
     let estimator = UserEstimator::new(name, move |rows| Ok(Python::attach(|py| call(py, &function, rows))?));
     estimator.map_err(|e| PythonError::new("SettingsError", e))
@@ -82,26 +82,26 @@ pub fn run(
     robot: Option<PathBuf>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(Results, Robot)> {
-    interruptible::run(py, progress, move |tell| {
+    interruptible::run(py, progress, move |report_stage| {
         let experiment = match robot {
             Some(robot) => Experiment::read_with_robot(&path, &robot)?,
             None => Experiment::read(&path, &data)?,
         };
-        let results = experiment.run(&data, tell)?;
+        let results = experiment.run(&data, report_stage)?;
         let (text, robot_text) = (&results.experiment_description, &results.robot_description);
         let robot = Robot::of_experiment(&path, text, robot_text, &results.profiled_terms)?;
         Ok((Results::new(results, experiment.published_path()), robot))
     })
 }
 
-/// Refuses what is no method.
+/// Refuses an unknown method.
 #[pyfunction]
 pub fn require_method(name: &str) -> Result<(), PythonError> {
     name.parse::<Method>()?;
     Ok(())
 }
 
-/// The filter with the least error of the estimates, and why it was chosen: that of `thetahat init`.
+/// The filter with the smallest error of the estimates, and why it was chosen, as in `thetahat init`.
 #[pyfunction]
 pub fn choose_filter(
     py: Python<'_>,

@@ -11,28 +11,28 @@ use pyo3::prelude::*;
 
 use crate::python_error::PythonError;
 
-/// How often signals are looked at while the work goes on.
+/// Time between checks of signals during the work.
 const EVERY: Duration = Duration::from_millis(50);
 
-/// Does the work in a thread of its own, without the interpreter's lock. What it is told is passed on to `progress`, and an
-/// exception of that, or of a signal such as Ctrl-C, is raised at once: the abandoned thread ends where it next tells something.
+/// Does the work in a separate thread, without the interpreter's lock. Its stages are passed to `progress`, and an exception of
+/// that, or of a signal such as Ctrl-C, is raised at once: the abandoned thread ends when it next reports a stage.
 pub fn run<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<Bound<'_, PyAny>>,
     work: impl FnOnce(&mut dyn FnMut(&str)) -> Result<T, PythonError> + Send + 'static,
 ) -> PyResult<T> {
-    let (tell, mut told) = channel::<String>();
+    let (sender, mut stages) = channel::<String>();
     let worker = thread::spawn(move || {
         work(&mut |stage| {
-            if tell.send(stage.to_owned()).is_err() {
-                // Nobody waits any more. This is no panic: nothing is printed.
+            if sender.send(stage.to_owned()).is_err() {
+                // The caller has gone. This is not a panic: nothing is printed.
                 resume_unwind(Box::new("abandoned"));
             }
         })
     });
     loop {
-        let told = &mut told;
-        match py.detach(move || told.recv_timeout(EVERY)) {
+        let stages = &mut stages;
+        match py.detach(move || stages.recv_timeout(EVERY)) {
             Ok(stage) => progress.as_ref().map_or(Ok(()), |progress| progress.call1((stage,)).map(|_| ()))?,
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => break,

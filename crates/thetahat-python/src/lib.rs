@@ -1,8 +1,8 @@
-//! The compiled part of thetahat for Python: arrays in, results out. What users see of it is the Python package beside, which
+//! The compiled part of thetahat for Python: arrays in, results out. Its users see only the Python package, which
 //! checks and documents; here are the calls of the library, without the interpreter's lock.
 //!
 //! Long work runs in a thread of its own, so that Ctrl-C is answered ([`interruptible`]); work on arrays is done in pieces
-//! between which signals are looked at ([`arrays`]). Errors keep the library's texts ([`raised`]).
+//! between which signals are checked ([`arrays`]). Errors keep the library's texts ([`raised`]).
 
 mod arrays;
 mod distributed;
@@ -11,6 +11,7 @@ mod identification;
 mod interruptible;
 mod python_error;
 mod recording;
+mod remedies;
 mod results;
 mod robot;
 mod signal;

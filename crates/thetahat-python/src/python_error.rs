@@ -1,15 +1,27 @@
-//! Errors of the library as exceptions of the package, with the same texts.
+//! Errors of the library as exceptions of the package: the library's texts, and the remedies of [`crate::remedies`].
 
 use std::{error::Error, sync::Arc};
 
 use pyo3::prelude::*;
 use thetahat::{
-    base_parameters::BaseParametersError, campaign::CampaignError, dynamics::DynamicsError,
-    experiment::ExperimentError, experiment::ProposalError, filter_choice::FilterChoiceError,
-    identification::EstimationError, identification::UnknownMethod, output::OutputError, preparation::PreparationError,
-    recording::RecordingError, reduction::ReductionError, report::ReportError, results::ResultsError,
-    robot::RobotError, signal::SignalError, simulation::SimulationError,
+    base_parameters::BaseParametersError,
+    campaign::CampaignError,
+    dynamics::DynamicsError,
+    experiment::{ExperimentError, ProposalError},
+    filter_choice::FilterChoiceError,
+    identification::{EstimationError, UnknownMethod},
+    preparation::PreparationError,
+    recording::RecordingError,
+    reduction::ReductionError,
+    report::ReportError,
+    results::ResultsError,
+    robot::RobotError,
+    signal::SignalError,
+    simulation::SimulationError,
 };
+use thetahat_ground::output::OutputError;
+
+use crate::remedies;
 
 /// An exception to be raised: the name of its class in `thetahat.errors`, and its text.
 #[derive(Debug)]
@@ -22,25 +34,14 @@ pub struct PythonError {
 
 impl PythonError {
     pub fn new(class: &'static str, text: impl ToString) -> Self {
-        Self { class, text: with_arguments(&text.to_string()), cause: None }
+        Self { class, text: text.to_string(), cause: None }
     }
-}
 
-/// Flags of the command that a remedy names, as the arguments of these names that functions have: ``--instruments-from`` is
-/// `instruments_from`. Two hyphens within a word, such as a file's name, stay.
-fn with_arguments(text: &str) -> String {
-    let word = |word: &str| {
-        let opened = word.trim_start_matches('(');
-        let Some(rest) = opened.strip_prefix("--").filter(|rest| rest.starts_with(|c: char| c.is_ascii_lowercase()))
-        else {
-            return word.to_owned();
-        };
-        let end = rest.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(rest.len());
-        let (flag, behind) = rest.split_at(end);
-        let argument = if flag == "rate" { "sample_rate_hz".to_owned() } else { flag.replace('-', "_") };
-        format!("{}`{argument}`{behind}", &word[..word.len() - opened.len()])
-    };
-    text.split(' ').map(word).collect::<Vec<_>>().join(" ")
+    /// An error of the library with its remedy in the words of the package.
+    pub fn with_remedy(class: &'static str, error: impl ToString, remedy: Option<String>) -> Self {
+        let text = error.to_string();
+        Self::new(class, remedy.map_or_else(|| text.clone(), |remedy| format!("{text}; {remedy}")))
+    }
 }
 
 impl From<PythonError> for PyErr {
@@ -73,7 +74,6 @@ raised_as! {
     BaseParametersError => "RobotError",
     RobotError => "RobotError",
     RecordingError => "RecordingError",
-    ProposalError => "RecordingError",
     FilterChoiceError => "SettingsError",
     UnknownMethod => "SettingsError",
     SignalError => "SignalError",
@@ -94,10 +94,23 @@ impl From<PreparationError> for PythonError {
 }
 
 impl From<OutputError> for PythonError {
-    /// The command's flags are an argument, and a path.
     fn from(error: OutputError) -> Self {
-        let text = error.to_string().replace(" with --out", "").replace("with --force", "with force=True");
-        Self::new("ReportError", text)
+        let remedy = remedies::of_output(&error);
+        Self::with_remedy("ReportError", error, remedy)
+    }
+}
+
+impl From<ProposalError> for PythonError {
+    fn from(error: ProposalError) -> Self {
+        let remedy = remedies::of_proposal(&error);
+        Self::with_remedy("RecordingError", error, remedy)
+    }
+}
+
+impl From<ExportError> for PythonError {
+    fn from(error: ExportError) -> Self {
+        let remedy = remedies::of_export(&error);
+        Self::with_remedy("ResultsError", error, remedy)
     }
 }
 
@@ -115,7 +128,11 @@ impl From<ExperimentError> for PythonError {
             | ExperimentError::Plan { .. }
             | ExperimentError::Twin { .. }
             | ExperimentError::ResultsFile { .. }
-            | _) => Self::new("ExperimentError", error),
+            | ExperimentError::OutsideFolder { .. }
+            | _) => {
+                let remedy = remedies::of_experiment(&error);
+                Self::with_remedy("ExperimentError", error, remedy)
+            }
         }
     }
 }
@@ -129,7 +146,7 @@ impl From<CampaignError> for PythonError {
             | CampaignError::Syntax { .. }
             | CampaignError::Value { .. }
             | CampaignError::NoPhysicalStart { .. }
-            | CampaignError::NoRecord { .. }
+            | CampaignError::NoRecording { .. }
             | CampaignError::OtherCampaign { .. }
             | CampaignError::NoCampaign { .. }
             | CampaignError::Damaged { .. }

@@ -1,4 +1,4 @@
-//! Recordings: arrays from Python, and arrays of what files hold.
+//! Recordings: arrays from Python, and arrays from files.
 
 use std::{
     collections::BTreeMap,
@@ -21,7 +21,7 @@ use crate::{
     values,
 };
 
-/// A recording as the package has it: its arrays have the same number of rows.
+/// A recording of the package: its arrays have the same number of rows.
 #[derive(FromPyObject)]
 pub struct Recording<'py> {
     name: String,
@@ -42,7 +42,7 @@ pub struct Recording<'py> {
 }
 
 impl Recording<'_> {
-    /// The library's, with copies of the arrays; its time stamps, where it has no rate, are brought to equal steps.
+    /// The library's recording, with copies of the arrays; without a rate, it is resampled to equal steps.
     pub fn into_library(self) -> Result<thetahat::Recording, PythonError> {
         let optional = |array: &Option<PyReadonlyArray2<'_, f64>>| array.as_ref().map(|a| series_of(a.as_array()));
         let time = self.time.as_ref().map(vector_of);
@@ -76,7 +76,7 @@ pub fn into_library(recordings: Vec<Recording<'_>>) -> Result<Vec<thetahat::Reco
     recordings.into_iter().map(Recording::into_library).collect()
 }
 
-/// What a recording holds, as the arguments of the package's class; arrays have the memory of the library's series.
+/// A recording as the arguments of the package's class; arrays share the memory of the library's series.
 fn arguments(py: Python<'_>, recording: thetahat::Recording) -> PyResult<Bound<'_, PyDict>> {
     let all = PyDict::new(py);
     all.set_item("name", recording.name)?;
@@ -105,7 +105,7 @@ fn arguments(py: Python<'_>, recording: thetahat::Recording) -> PyResult<Bound<'
     Ok(all)
 }
 
-/// What the names of columns do not tell.
+/// Settings for what the names of columns do not show.
 #[derive(serde::Deserialize)]
 struct Columns {
     #[serde(default)]

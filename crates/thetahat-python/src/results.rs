@@ -9,10 +9,13 @@ use pyo3::{prelude::*, types::PyBytes};
 use thetahat::{
     Experiment,
     experiment::EstimateRequest,
-    export::{ExportError, Format, IdentifiedModel},
+    export::{Format, IdentifiedModel},
     identification::UnknownMethod,
-    output::{OutputGuard, replace_file},
-    report::{self, Published, TextWidth},
+    report::Published,
+};
+use thetahat_ground::output::{OutputGuard, replace_file};
+use thetahat_report::{
+    report::{self, TextWidth},
     results::{Plots, RunPlots},
 };
 
@@ -21,7 +24,7 @@ use crate::{arrays::rows, python_error::PythonError, robot::Robot};
 /// Curves of joints over the same times, one array with a column for each joint.
 type Curves<'py> = Bound<'py, numpy::PyArray2<f64>>;
 
-/// What a run yields.
+/// The results of a run.
 #[pyclass(frozen, module = "thetahat._thetahat")]
 #[derive(Debug)]
 pub struct Results {
@@ -39,12 +42,12 @@ impl Results {
     }
 }
 
-/// Curves of the results, of their runs, and what estimators of the user's own predict: for each its joints' samples.
+/// Curves of the results, of their runs, and predictions of the user's own estimators: the samples of each joint.
 type PackedCurves = (Plots, Vec<RunPlots>, Vec<Vec<Vec<f64>>>);
 
 #[pymethods]
 impl Results {
-    /// Results of a `results.json`, without curves, and the robot of their experiment, where they are of one.
+    /// Results of a `results.json`, without curves, and the robot of their experiment, if they have one.
     #[staticmethod]
     fn read(path: PathBuf) -> Result<(Self, Option<Robot>), PythonError> {
         let mut results = thetahat::Results::read(&path)?;
@@ -93,10 +96,10 @@ impl Results {
         self.results.fixed_parameters.clone()
     }
 
-    /// The place among the runs of the one whose numbers are taken.
+    /// The index of the recommended run.
     fn recommended_run(&self) -> Option<usize> {
-        let taken = self.results.recommended_run()?;
-        self.results.runs.iter().position(|run| std::ptr::eq(run, taken))
+        let recommended = self.results.recommended_run()?;
+        self.results.runs.iter().position(|run| std::ptr::eq(run, recommended))
     }
 
     /// The tables that the command line prints with `--full`.
@@ -110,7 +113,7 @@ impl Results {
         Ok(PyBytes::new(py, &content))
     }
 
-    /// Writes one of the report's files, as a whole or not at all.
+    /// Writes one of the report's files atomically.
     fn write_file(&self, py: Python<'_>, name: &str, path: PathBuf, force: bool) -> PyResult<()> {
         py.detach(|| write_guarded(&path, &self.rendered(name)?, force))?;
         Ok(())
@@ -125,7 +128,7 @@ impl Results {
         .map_err(|e: PythonError| e.into())
     }
 
-    /// Writes the robot as a file, as a whole or not at all; returns what there is to say of it.
+    /// Writes the robot as a file atomically; returns remarks on it.
     fn export(
         &self,
         py: Python<'_>,
@@ -139,12 +142,10 @@ impl Results {
         let method = method.map(str::parse).transpose().map_err(|e: UnknownMethod| PythonError::from(e))?;
         let request = EstimateRequest { method, untrusted, ..EstimateRequest::default() };
         py.detach(|| {
-            let refused = |e: ExportError| PythonError::new("ResultsError", e);
-            let model =
-                IdentifiedModel::of_results(Path::new("the results"), &self.results, &request).map_err(refused)?;
-            let export = model.export(format).map_err(refused)?;
+            let model = IdentifiedModel::of_results(Path::new("the results"), &self.results, &request)?;
+            let export = model.export(format)?;
             write_guarded(&path, export.text.as_bytes(), force)?;
-            Ok([model.about(), export.notes, export.unsaid].concat())
+            Ok([model.about(), export.notes, export.not_represented].concat())
         })
         .map_err(|e: PythonError| e.into())
     }
@@ -155,7 +156,7 @@ impl Results {
         Ok([array(py, std::slice::from_ref(time_s))?, array(py, measured)?, array(py, position)?])
     }
 
-    /// Predicted torques and simulated positions of a run; behind the runs, of an estimator of the user's own.
+    /// Predicted torques and simulated positions of a run; indices after the runs are the user's own estimators.
     fn run_curves<'py>(&self, py: Python<'py>, run: usize) -> PyResult<[Curves<'py>; 2]> {
         let nothing: &[Vec<f64>] = &[];
         let (predicted, simulated) = match self.results.runs.get(run) {
@@ -167,7 +168,7 @@ impl Results {
 }
 
 impl Results {
-    /// The curves, which `results.json` has not, as MessagePack: numbers that are none stay so.
+    /// The curves, which `results.json` does not contain, as MessagePack, which keeps NaN.
     fn packed_curves(&self) -> Result<Vec<u8>, PythonError> {
         let runs: Vec<&RunPlots> = self.results.runs.iter().map(|run| &run.plots).collect();
         let of_user: Vec<&Vec<Vec<f64>>> = self.results.user_runs.iter().map(|run| &run.predicted).collect();
@@ -187,7 +188,7 @@ impl Results {
     }
 }
 
-/// Writes a file, as a whole or not at all; one of others is replaced with `force` only.
+/// Writes a file atomically; a file that thetahat did not write is replaced only with `force`.
 fn write_guarded(path: &Path, content: &[u8], force: bool) -> Result<(), PythonError> {
     OutputGuard::new([], force).file(path)?;
     replace_file(path, content)

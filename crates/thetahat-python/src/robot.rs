@@ -1,4 +1,4 @@
-//! The robot: its description, its model, and what is computed of many samples.
+//! The robot: its description, its model, and computations on many samples.
 
 use std::{
     collections::BTreeMap,
@@ -12,24 +12,23 @@ use pyo3::{exceptions::PyValueError, prelude::*};
 use thetahat::{
     Experiment,
     base_parameters::BaseParameters,
-    dynamics::{DynamicParameters, Model, Sign, State, Workspace},
+    dynamics::{DynamicParameters, DynamicsError, Model, Sign, State, Workspace},
     regressor::Regressor,
-    report,
     results::ProfiledTerm,
-    robot::{Locks, RobotSource},
-    robot_summary::RobotSummary,
+    robot::{Locks, RobotSource, RobotSummary},
     run::with_constants,
 };
+use thetahat_report::report;
 
 use crate::{
     arrays::{Samples, array_of, series_of},
     python_error::PythonError,
 };
 
-/// What a robot is made from anew.
+/// The data from which a robot is rebuilt.
 #[derive(Debug, Clone)]
 enum Origin {
-    /// A description, with joints that were locked beside those that it locks.
+    /// A description, with joints locked in addition to those that it locks.
     Description(RobotSource, Locks),
     /// An experiment, which may lock joints and add torque terms, and the constants that were found for these.
     Experiment { path: PathBuf, text: String, robot_text: String, constants: Vec<ProfiledTerm> },
@@ -68,7 +67,7 @@ impl Robot {
         Self::new(Origin::Experiment { path, text: text.to_owned(), robot_text: robot_text.to_owned(), constants })
     }
 
-    /// The text that it was made from.
+    /// The text of its description.
     pub fn description(&self) -> String {
         match &self.origin {
             Origin::Description(source, _) => source.to_text(),
@@ -132,7 +131,7 @@ impl Robot {
         }
     }
 
-    /// The description that it was made from.
+    /// The text of its description.
     fn text(&self) -> String {
         self.description()
     }
@@ -162,7 +161,7 @@ impl Robot {
         self.robot.a_priori_parameters().into_pyarray(py)
     }
 
-    /// What it is, as JSON.
+    /// Its summary as JSON.
     fn summary(&self, py: Python<'_>) -> Result<String, PythonError> {
         py.detach(|| Ok(report::model_json(&RobotSummary::new(&self.source()?, &self.robot))?))
     }
@@ -231,7 +230,7 @@ impl Robot {
         mut tau: PyReadwriteArray2<'py, f64>,
     ) -> PyResult<()> {
         let (n, sign) = (self.model.coordinate_count(), sign_of(sign_velocity_scale)?);
-        let parameters = DynamicParameters::new(&self.model, &theta);
+        let parameters = DynamicParameters::new(&self.model, &theta).map_err(wrong_parameters)?;
         Samples::of(motion.each_ref()).fill(py, tau.as_slice_mut()?, |[q, dq, ddq], tau| {
             let mut workspace = Workspace::new(&self.model);
             for (k, tau) in tau.chunks_exact_mut(n).enumerate() {
@@ -252,7 +251,7 @@ impl Robot {
         mut ddq: PyReadwriteArray2<'py, f64>,
     ) -> PyResult<()> {
         let sign = sign_of(sign_velocity_scale)?;
-        let parameters = DynamicParameters::new(&self.model, &theta);
+        let parameters = DynamicParameters::new(&self.model, &theta).map_err(wrong_parameters)?;
         Samples::of(inputs.each_ref()).fill(py, ddq.as_slice_mut()?, |inputs, ddq| {
             let found = self.model.forward_dynamics_series(&parameters, inputs, sign)?;
             ddq.copy_from_slice(found.values());
@@ -269,7 +268,7 @@ impl Robot {
         mut masses: PyReadwriteArray3<'py, f64>,
     ) -> PyResult<()> {
         let n = self.model.coordinate_count();
-        let parameters = DynamicParameters::new(&self.model, &theta);
+        let parameters = DynamicParameters::new(&self.model, &theta).map_err(wrong_parameters)?;
         Samples::of([&q]).fill(py, masses.as_slice_mut()?, |[q], masses| {
             let mut workspace = Workspace::new(&self.model);
             for (k, m) in masses.chunks_exact_mut(n * n).enumerate() {
@@ -298,7 +297,7 @@ impl Robot {
     }
 }
 
-/// How the sign of a velocity is taken: as it is, or regularised with this velocity.
+/// The sign function of velocities: exact, or smoothed with this velocity.
 pub fn sign_of(scale: Option<f64>) -> PyResult<Sign> {
     match scale {
         None => Ok(Sign::Exact),
@@ -307,6 +306,10 @@ pub fn sign_of(scale: Option<f64>) -> PyResult<Sign> {
             Err(PyValueError::new_err(format!("sign_velocity_scale is {scale}; it is a velocity above zero, or None")))
         }
     }
+}
+
+fn wrong_parameters(error: DynamicsError) -> PythonError {
+    PythonError::new("RobotError", error)
 }
 
 /// A vector as it was given.

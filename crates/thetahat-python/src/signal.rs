@@ -2,7 +2,8 @@
 
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
-use thetahat::signal::{self, Decimator, Derivative, Padding, SecondOrderSections};
+use thetahat::signal::{Decimator, Derivative, Padding, SecondOrderSections};
+use thetahat_estimation::signal;
 
 use crate::{
     arrays::{array_of, series_of},
@@ -10,7 +11,7 @@ use crate::{
     values,
 };
 
-/// Positions, velocities and accelerations behind the band-pass.
+/// Positions, velocities and accelerations after the band-pass.
 #[pyfunction]
 pub fn band_pass<'py>(
     py: Python<'py>,

@@ -4,9 +4,8 @@ use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use serde::Deserialize;
 use thetahat::{
-    ControllerDescription,
+    ControllerDescription, Series,
     preparation::SimulationOptions,
-    series::Series,
     simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulatorBias},
 };
 
@@ -49,7 +48,7 @@ struct Simulation {
     settings: LoopSettings,
 }
 
-/// What is simulated of the loop beside the robot.
+/// The simulated loop except the robot.
 #[derive(Deserialize)]
 struct LoopSettings {
     controller: ControllerDescription,

@@ -81,7 +81,7 @@ def rows(described, tmp_path_factory):
 def test_a_campaign_has_the_bytes_of_the_command(engine, running, described, rows, tmp_path):
     options = running(engine)["options"]
     told = []
-    found = distributed.campaign(described, tmp_path, records_per_job=2, progress=told.append, **options)
+    found = distributed.campaign(described, tmp_path, recordings_per_job=2, progress=told.append, **options)
     assert (tmp_path / "runs.parquet").read_bytes() == rows
     assert (found.runs, found.converged) == (64, 64) and "idim-iv" in found.text
     assert told[0] == "0 of 4 jobs" and told[-1] == "4 of 4 jobs"
@@ -93,7 +93,7 @@ def test_a_campaign_has_the_bytes_of_the_command(engine, running, described, row
 
 @pytest.mark.parametrize(("workers", "records"), [(1, 1), (3, 5)])
 def test_neither_workers_nor_jobs_change_rows(described, rows, tmp_path, workers, records):
-    distributed.campaign(described, tmp_path, workers=workers, records_per_job=records)
+    distributed.campaign(described, tmp_path, workers=workers, recordings_per_job=records)
     assert (tmp_path / "runs.parquet").read_bytes() == rows
 
 
@@ -102,7 +102,7 @@ def test_the_command_goes_on_where_a_part_of_a_campaign_is_done_and_the_other_wa
     command("campaign", described, "--out", tmp_path / "a")
     command("campaign", described, "--out", tmp_path / "b", "--seeds", "1")
     told = []
-    distributed.campaign(described, tmp_path / "b", records_per_job=1, progress=told.append)
+    distributed.campaign(described, tmp_path / "b", recordings_per_job=1, progress=told.append)
     assert told[0] == "0 of 4 jobs"
     for folder in "ab":
         assert (tmp_path / folder / "runs.parquet").read_bytes() == rows
@@ -118,7 +118,7 @@ def test_a_folder_of_another_campaign_is_refused(described, checkout, tmp_path):
 
 def test_remedies_name_arguments_and_not_flags(described, tmp_path):
     (tmp_path / "campaign.html").write_text("a page of others")
-    with pytest.raises(th.CampaignError, match="not known to be written by thetahat; take another `out`$"):
+    with pytest.raises(th.CampaignError, match="exists and was not written by thetahat; take another `out`$"):
         distributed.campaign(described, tmp_path)
     with pytest.raises(th.CampaignError, match="expected a folder, found a file; give another folder with `out`$"):
         distributed.campaign(described, tmp_path / "campaign.html")
@@ -218,7 +218,7 @@ def test_a_killed_worker_is_replaced_and_its_jobs_done_again(engine, slow, tmp_p
 
     killer = threading.Thread(target=kill, daemon=True)
     killer.start()
-    distributed.campaign(path, tmp_path / "out", engine=engine, workers=2, records_per_job=1)
+    distributed.campaign(path, tmp_path / "out", engine=engine, workers=2, recordings_per_job=1)
     killer.join(timeout=60)
     assert killed
     assert (tmp_path / "out" / "runs.parquet").read_bytes() == rows
@@ -226,7 +226,7 @@ def test_a_killed_worker_is_replaced_and_its_jobs_done_again(engine, slow, tmp_p
 
 def test_a_killed_driver_goes_on_where_it_was(slow, tmp_path):
     path, rows = slow
-    code = "import sys, thetahat as th; th.distributed.campaign(sys.argv[1], sys.argv[2], workers=2, records_per_job=1)"
+    code = "import sys, thetahat as th; th.distributed.campaign(sys.argv[1], sys.argv[2], workers=2, recordings_per_job=1)"
     driver = subprocess.Popen([sys.executable, "-c", code, str(path), str(tmp_path)])
     try:
         wait_for_parts(tmp_path / "parts", count=5)
@@ -237,7 +237,7 @@ def test_a_killed_driver_goes_on_where_it_was(slow, tmp_path):
     kept = len([p for p in (tmp_path / "parts").iterdir() if p.suffix == ".parquet"])
     assert kept >= 5
     told = []
-    distributed.campaign(path, tmp_path, records_per_job=1, progress=told.append)
+    distributed.campaign(path, tmp_path, recordings_per_job=1, progress=told.append)
     assert told[-1] == f"{48 - kept} of {48 - kept} jobs"
     assert (tmp_path / "runs.parquet").read_bytes() == rows
 
@@ -586,7 +586,7 @@ def test_a_session_without_a_method_to_take_keeps_its_verdict(result):
     kept = _fleet._kept(Found("do-not-use", ["gains are uncertain"]), None)
     assert (kept["verdict"], kept["reasons"], kept["parameters"]) == (
         "do-not-use",
-        ["gains are uncertain", "no method has an estimate to take"],
+        ["gains are uncertain", "no method has a usable estimate"],
         [],
     )
     diverged = th.Run({"case": "nominal", "method": "idim-iv", "status": "diverged", "reason": "the loop is unstable"}, ())
@@ -690,7 +690,7 @@ def test_jobs_are_taken_as_workers_get_free():
 @pytest.mark.parametrize("name", ["fleet.json", "fleet.html", "merged.reduction"])
 def test_files_of_others_are_not_replaced(name, recorded, tmp_path):
     (tmp_path / name).write_text("mine")
-    with pytest.raises(th.ReportError, match=rf"{name}: is there already and not known to be written by thetahat; take another place"):
+    with pytest.raises(th.ReportError, match=rf"{name}: exists and was not written by thetahat; take another place"):
         if name == "merged.reduction":
             distributed.reduce(recorded / "0.toml", tmp_path)
         else:
@@ -741,7 +741,7 @@ def test_a_killed_driver_goes_on_from_its_objects(bucket, described, rows, check
     with pytest.raises(th.CampaignError, match="holds runs of another campaign"):
         distributed.campaign(checkout / "campaigns/birdy.toml", place)
     told = []
-    distributed.campaign(described, place, records_per_job=1, progress=told.append)
+    distributed.campaign(described, place, recordings_per_job=1, progress=told.append)
     assert told[-1] == "4 of 4 jobs"
     assert _store.Store(place).read("runs.parquet") == rows
 
@@ -764,7 +764,7 @@ def test_reports_of_a_fleet_replace_files_of_others_with_force_only(tmp_path):
     fleet = distributed.fleet(list(sessions_of(robots=2, times=1)), tmp_path / "out")
     for name in ("page.html", "page.md"):
         (tmp_path / name).write_text("mine")
-        with pytest.raises(th.ReportError, match=f"{name}: is there already"):
+        with pytest.raises(th.ReportError, match=f"{name}: exists and was not written"):
             fleet.report(tmp_path / name)
         assert (tmp_path / name).read_text() == "mine"
         fleet.report(tmp_path / name, force=True)

@@ -105,7 +105,7 @@ def test_files_and_tables_show_it_as_the_users_own(own, tmp_path):
     assert {row["method"] for row in rows} >= {"idim-ls", "user:bare"}
     assert all(row["interval_95_low"] == "" for row in rows if row["method"] == "user:bare")
     text = " ".join(result.text().split())
-    assert "Estimators of the user's own, which thetahat has not examined" in text
+    assert "The user's own estimators, which thetahat has not examined" in text
     assert "bare gave no covariance" in text and "least-squares gave no covariance" not in text
     assert "has not examined" in (tmp_path / "report.html").read_text()
     assert "bare (your own)" in result._repr_html_() and "(your own)" in repr(result["bare"])

@@ -28,7 +28,7 @@ def test_a_result_is_read_by_its_keys(result):
     assert [run.method for run in result] == ["idim-ls", "idim-iv"]
     run = result["idim-iv", "nominal"]
     assert run["fv1"].unit == "N m s/rad" and run["fv1"].estimate == run.estimates[run.names.index("fv1")]
-    assert result.best.method == result.advice[0].take
+    assert result.best.method == result.advice[0].recommended
     with pytest.raises(KeyError, match="there is no run of didim"):
         result["didim"]
     with pytest.raises(KeyError, match="idim-iv estimates no m1"):
@@ -117,7 +117,7 @@ def test_the_robot_is_exported(result, tmp_path):
 def test_files_of_others_are_replaced_with_force_only(result, tmp_path, name, write):
     path = tmp_path / name
     path.write_text("mine")
-    with pytest.raises(th.ReportError, match=f"{name}: is there already .*; give another place, or replace it with force=True"):
+    with pytest.raises(th.ReportError, match=f"{name}: exists and .*; give another place, or replace it with force=True"):
         write(result, path)
     assert path.read_text() == "mine" and list(tmp_path.iterdir()) == [path]
     write(result, path, force=True)
@@ -166,7 +166,7 @@ def test_results_are_read_from_their_file(result, tmp_path):
     read = th.Result.read(tmp_path / "results.json")
     assert read.to_json() == result.to_json()
     assert read.robot is None
-    with pytest.raises(th.ResultsError, match="know no robot"):
+    with pytest.raises(th.ResultsError, match="have no robot"):
         read.predict([0, 0], [0, 0], [0, 0])
     (tmp_path / "other.json").write_text(json.dumps({"a": 1}))
     with pytest.raises(th.ResultsError, match=r"other\.json"):
@@ -257,5 +257,5 @@ def test_settings_that_cannot_be_used_are_refused(twin, options, error, text):
 def test_a_recording_of_another_robot_is_refused(twin):
     one = twin.recording.position[:, :1]
     log = th.Recording(sample_rate_hz=1000, position=one, torque=one, name="log")
-    with pytest.raises(th.SettingsError, match="recording log: channels of position is 1, expected 2"):
+    with pytest.raises(th.SettingsError, match="recording log, position: number of channels is 1, expected 2"):
         th.identify(twin.robot, log, cutoff_hz=40, decimation=10)

@@ -46,7 +46,7 @@ def test_a_regression_without_an_estimate_is_refused():
         th.estimate("idim-iv", x, np.arange(10.0))
     with pytest.raises(th.SettingsError, match="unknown method `ols`"):
         th.estimate("ols", x, np.arange(10.0))
-    with pytest.raises(ValueError, match="10 rows are not of 3 joints"):
+    with pytest.raises(ValueError, match="10 rows cannot be divided among 3 joints"):
         th.estimate("idim-ls", x, np.arange(10.0), joints=3)
 
 

@@ -30,7 +30,7 @@ impl Folder {
         folder
     }
 
-    /// Where it lies.
+    /// The path of the folder.
     #[must_use]
     pub fn path(&self) -> &Path {
         self.0.path()
@@ -42,7 +42,7 @@ impl Folder {
         self.path().join(file)
     }
 
-    /// Writes a file, with the folders it lies in.
+    /// Writes a file and creates its parent folders.
     pub fn write(&self, file: impl AsRef<Path>, content: impl AsRef<[u8]>) -> &Self {
         let path = self.at(file);
         path.parent()
@@ -77,7 +77,7 @@ impl Folder {
         serde_json::from_slice(&self.bytes(file)).expect("the file is JSON")
     }
 
-    /// Writes `file` to `out` with the first `from` replaced, which must be there.
+    /// Writes `file` to `out` with the first `from` replaced; `from` must occur.
     pub fn replace(&self, file: &str, from: &str, to: &str, out: &str) {
         let text = self.text(file);
         assert!(text.contains(from), "{file} holds no {from:?}");

@@ -1,7 +1,6 @@
-//! What the tests of both crates share: temporary folders, runs of the program, the shared data, models
-//! of others, and assertions.
+//! What the tests of the crates share: temporary folders, runs of the program, the shared data, models of other programs, and assertions.
 //!
-//! Everything here panics where it fails, as tests do, except checks for tests that return their failure.
+//! Functions here panic on failure, except checks that return their failure.
 
 mod assertions;
 mod folder;
@@ -13,4 +12,6 @@ pub use assertions::{assert_close, ensure, ensure_printed};
 pub use folder::Folder;
 pub use mjcf::users_mjcf;
 pub use program::{refused, run, shown, succeeded};
-pub use shared::{Named, data, project, root, run_slow_with_shared_data, run_with_shared_data, shared};
+pub use shared::{
+    Module, Named, data, has_shared, project, root, run_modules, shared, slow_trials, trials_on_shared_data,
+};

@@ -1,4 +1,4 @@
-//! A MuJoCo model as a user may have it, of the same robot as one that thetahat has written.
+//! A MuJoCo model as a user might write it, of the same robot as a model that thetahat has written.
 
 use std::fmt::Write;
 
@@ -8,8 +8,9 @@ type Vector = [f64; 3];
 /// Rotation and origin.
 type Frame = ([Vector; 3], Vector);
 
-/// A model of the same mechanism: the base mounted askew in the world, other frames of the bodies, angles in degrees, poses in
-/// every notation, classes, references, bodies that are fixed to links; inertias, armatures and friction are not the robot's.
+/// A model of the same mechanism in another notation: the base is mounted at an angle in the world, bodies have other frames, angles are in
+/// degrees, poses use every notation, with classes, references and bodies fixed to links; inertias, armatures and friction are not those of
+/// the robot.
 ///
 /// # Panics
 /// For a text that is not an MJCF of thetahat.
@@ -44,7 +45,7 @@ struct User {
 }
 
 impl User {
-    /// A body with those in it; `around` is the frame of the body around it in the frame that thetahat gave that.
+    /// Writes a body with its children; `around` is the parent's frame relative to the frame that thetahat gave the parent.
     fn body(&mut self, body: Node<'_, '_>, around: &Frame, depth: usize) {
         self.count += 1;
         let (k, space) = (self.count, " ".repeat(depth));
@@ -54,7 +55,7 @@ impl User {
         let axis: Vector = numbers(joint, "axis");
         let own =
             (turn(unit([amount(1.0), amount(2.0), 0.4]), amount(3.0)), [0.1 * amount(4.0), 0.02, 0.1 * amount(5.0)]);
-        // In the reference configuration the joint is elsewhere.
+        // In the reference configuration the joint has another value.
         let reference = 20.0 * amount(6.0);
         let moved = if slides {
             (turn(axis, 0.0), axis.map(|a| 0.01 * reference * a))
@@ -67,7 +68,7 @@ impl User {
         let name = body.attribute("name").expect("a name");
         let (x, y) = ([0, 1, 2].map(|i| rotation[i][0]), [0, 1, 2].map(|i| rotation[i][1]));
         let pose = format!("pos=\"{}\" xyaxes=\"{} {}\"", listed(&origin), listed(&x), listed(&y));
-        // Around the body, or in a frame of its own.
+        // In the parent's element, or in a frame element.
         let (open, close) = if k.is_multiple_of(2) {
             (format!("{space}<frame {pose}><body childclass='arm' name='my_{name}'>"), "</body></frame>")
         } else {

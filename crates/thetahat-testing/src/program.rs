@@ -14,14 +14,14 @@ pub fn shown(output: &Output) -> String {
     [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes)).concat()
 }
 
-/// What a run printed that ended well.
+/// What a successful run printed.
 pub fn succeeded(output: &Output) -> String {
     let shown = shown(output);
     assert_eq!(output.status.code(), Some(0), "{shown}");
     shown
 }
 
-/// What a run said that ended with an error.
+/// The error message of a failed run.
 pub fn refused(output: &Output) -> String {
     assert_eq!(output.status.code(), Some(2), "{}", shown(output));
     String::from_utf8_lossy(&output.stderr).into_owned()

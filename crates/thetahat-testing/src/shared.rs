@@ -1,4 +1,4 @@
-//! The checkout, and the shared data beside it.
+//! The checkout, and the shared data next to it.
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ pub fn project(file: &str) -> PathBuf {
     root().join(file)
 }
 
-/// The folder of data sets and reference values: `shared` beside the checkout, or `THETAHAT_SHARED`.
+/// The folder of data sets and reference values: `shared` next to the checkout, or `THETAHAT_SHARED`.
 #[must_use]
 pub fn shared() -> PathBuf {
     std::env::var_os("THETAHAT_SHARED").map_or_else(|| root().join("../shared"), PathBuf::from)
@@ -28,33 +28,65 @@ pub fn data() -> PathBuf {
     shared().join("datasets")
 }
 
-/// A test by name.
+/// A test with its name.
 pub type Named = (&'static str, fn() -> Result<(), Failed>);
 
-/// Runs tests that need the shared data; where it is absent they count as ignored, and a line says so.
-pub fn run_with_shared_data(tests: Vec<Named>) -> ! {
-    let absent = !shared().is_dir();
-    if absent {
-        say_skipped(&tests);
+/// Tests that read these files of the shared data; if one is absent they count as ignored, and a line says so.
+#[must_use]
+pub fn trials_on_shared_data(files: &[&str], tests: Vec<Named>) -> Vec<Trial> {
+    let absent = first_absent(files);
+    if let Some(file) = &absent {
+        say_skipped(&tests, file);
     }
-    let trials = tests.into_iter().map(|(name, run)| Trial::test(name, run).with_ignored_flag(absent)).collect();
-    libtest_mimic::run(&Arguments::from_args(), trials).exit()
+    tests.into_iter().map(|(name, run)| Trial::test(name, run).with_ignored_flag(absent.is_some())).collect()
 }
 
-/// Tests of minutes that need the shared data: ignored but with `--ignored`, as the nightly script runs them.
-pub fn run_slow_with_shared_data(tests: Vec<Named>) -> ! {
-    if !shared().is_dir() {
-        say_skipped(&tests);
-        std::process::exit(0);
+/// Slow tests (minutes) on the shared data: run only with `--ignored`, as the nightly script does.
+#[must_use]
+pub fn slow_trials(files: &[&str], tests: Vec<Named>) -> Vec<Trial> {
+    if let Some(file) = first_absent(files) {
+        say_skipped(&tests, &file);
+        return Vec::new();
     }
-    let trials = tests.into_iter().map(|(name, run)| Trial::test(name, run).with_ignored_flag(true)).collect();
-    libtest_mimic::run(&Arguments::from_args(), trials).exit()
+    tests.into_iter().map(|(name, run)| Trial::test(name, run).with_ignored_flag(true)).collect()
 }
 
-fn say_skipped(tests: &[Named]) {
+/// Whether the shared data has the file or folder.
+#[must_use]
+pub fn has_shared(file: &str) -> bool {
+    shared().join(file).exists()
+}
+
+/// The trials of a module.
+pub type Module = (&'static str, fn() -> Vec<Trial>);
+
+/// Runs the trials of all modules. A filter `MODULE` or `MODULE::TEXT` takes those of one module.
+pub fn run_modules(arguments: Arguments, modules: &[Module]) -> ! {
+    let (module, arguments) = module_of(arguments, modules);
+    let wanted = modules.iter().filter(|(name, _)| module.as_deref().is_none_or(|module| module == *name));
+    let trials = wanted.flat_map(|(name, trials)| trials().into_iter().map(|trial| trial.with_kind(*name))).collect();
+    libtest_mimic::run(&arguments, trials).exit()
+}
+
+/// The module that the filter names, and the arguments without it.
+fn module_of(mut arguments: Arguments, modules: &[Module]) -> (Option<String>, Arguments) {
+    let filter = arguments.filter.clone().unwrap_or_default();
+    let (first, rest) = filter.split_once("::").map_or((filter.as_str(), None), |(first, rest)| (first, Some(rest)));
+    if !modules.iter().any(|(name, _)| *name == first) {
+        return (None, arguments);
+    }
+    arguments.filter = rest.map(str::to_owned);
+    (Some(first.to_owned()), arguments)
+}
+
+fn first_absent(files: &[&str]) -> Option<PathBuf> {
+    files.iter().map(|file| shared().join(file)).find(|path| !path.exists())
+}
+
+fn say_skipped(tests: &[Named], file: &Path) {
     eprintln!(
-        "\n*** SKIPPED: {} tests need the shared data, which is not at {} (set THETAHAT_SHARED) ***\n",
+        "\n*** SKIPPED: {} tests need {}, which is absent (set THETAHAT_SHARED) ***\n",
         tests.len(),
-        shared().display()
+        file.display()
     );
 }

@@ -1,18 +1,18 @@
-//! How much a page takes: a browser gives a module 4 GB at most. An identification takes some 140 bytes for each value of a
-//! position or torque, and some ten times the bytes of a text.
+//! Limits of the page: a browser gives a module at most 4 GB. An identification needs about 140 bytes for each value of a
+//! position or torque, and about ten times the bytes of a text.
 
-use thetahat::preparation::Recording;
+use thetahat::Recording;
 
 use crate::session::Outcome;
 
-/// Bytes of all files together.
+/// Largest number of bytes of all files.
 const MOST_BYTES: usize = 160 << 20;
-/// Values of positions and torques of all recordings.
+/// Largest number of values of positions and torques of all recordings.
 const MOST_VALUES: usize = 16_000_000;
 const REMEDY: &str =
-    "the command `thetahat reduce` takes records of any length, and `thetahat solve` identifies from what it writes";
+    "the command `thetahat reduce` reads recordings of any length, and `thetahat solve` identifies from its output";
 
-/// Refuses a file that is too large beside others.
+/// Refuses a file that is too large together with the others.
 pub(crate) fn require_size(path: &str, bytes: usize, others: usize) -> Outcome<()> {
     let all = bytes.saturating_add(others);
     if all <= MOST_BYTES {
@@ -20,7 +20,7 @@ pub(crate) fn require_size(path: &str, bytes: usize, others: usize) -> Outcome<(
     }
     let with = if others == 0 { "" } else { ", with the other files" };
     let (found, limit) = (all >> 20, MOST_BYTES >> 20);
-    Err(format!("{path}: {found} MiB{with}, are more than the {limit} MiB that the page takes; {REMEDY}").into())
+    Err(format!("{path}: {found} MiB{with}, more than the {limit} MiB that the page can read; {REMEDY}").into())
 }
 
 /// Refuses recordings that are too long.
@@ -30,18 +30,18 @@ pub(crate) fn require_length(recordings: &[Recording]) -> Outcome<()> {
         return Ok(());
     }
     let of = if recordings.len() == 1 { "the recording has" } else { "the recordings have" };
-    Err(format!("{of} {values} positions and torques, more than the {MOST_VALUES} that the page takes; {REMEDY}")
+    Err(format!("{of} {values} positions and torques, more than the {MOST_VALUES} that the page can read; {REMEDY}")
         .into())
 }
 
 #[cfg(test)]
 mod tests {
-    use thetahat::series::Series;
+    use thetahat::Series;
 
     use super::*;
 
     #[test]
-    fn what_is_too_much_is_refused_with_the_remedy() {
+    fn too_large_inputs_are_refused_with_the_remedy() {
         assert!(require_size("a.csv", MOST_BYTES, 0).is_ok());
         let error = require_size("a.csv", MOST_BYTES, 1 << 20).unwrap_err().to_string();
         assert!(error.starts_with("a.csv: 161 MiB, with the other files") && error.contains("reduce"), "{error}");

@@ -1,4 +1,4 @@
-//! What a file is, by its content.
+//! The kind of a file, by its content.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use thetahat::recording::Format;
 
 use crate::{session::Outcome, store};
 
-/// What a file is.
+/// The kind of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     Robot,
@@ -27,7 +27,7 @@ impl Kind {
         }
     }
 
-    /// The kind of a file that is there.
+    /// The kind of an existing file.
     pub(crate) fn of(path: &Path) -> Outcome<Self> {
         let beginning = store::beginning(path, BEGINNING)?;
         if BINARY.iter().any(|magic| beginning.starts_with(magic)) {
@@ -39,13 +39,13 @@ impl Kind {
     }
 }
 
-/// Bytes that are looked at: a description is shorter, or tells what it is by then.
+/// Bytes that are examined: enough to recognise a description.
 const BEGINNING: usize = 1 << 18;
-/// How recordings that are not text begin: NumPy, zip, MAT of both versions, Parquet, SQLite, MCAP.
+/// The first bytes of binary recordings: NumPy, zip, MAT of both versions, Parquet, SQLite, MCAP.
 const BINARY: [&[u8]; 7] =
     [b"\x93NUMPY", b"PK\x03\x04", b"MATLAB ", b"\x89HDF", b"PAR1", b"SQLite format 3\0", b"\x89MCAP"];
 
-/// What a text says that it is.
+/// The kind of a text, if its content shows it.
 fn of_text(text: &str) -> Option<Kind> {
     if text.starts_with('<') {
         return Some(if text.contains("<robot") { Kind::Robot } else { Kind::Unknown });
@@ -72,7 +72,7 @@ fn keys(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// What the extension says of a text that says nothing.
+/// The kind of a file by its extension.
 fn of_name(path: &Path) -> Kind {
     if Format::of(path).is_ok() { Kind::Recording } else { Kind::Unknown }
 }
@@ -82,14 +82,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn texts_say_what_they_are() {
+    fn texts_are_recognised() {
         for (text, expected) in [
             ("<?xml version=\"1.0\"?>\n<robot name=\"arm\"/>", Some(Kind::Robot)),
             ("<html></html>", Some(Kind::Unknown)),
             ("# arm\nname = \"arm\"\n[[joint]]  # the first\nname = \"a\"", Some(Kind::Robot)),
             ("urdf = \"arm.urdf\"", Some(Kind::Robot)),
             ("title = \"t\"\nrobot = \"arm.urdf\"\n[signal]\ncutoff_hz = 5", Some(Kind::Experiment)),
-            ("{ \"schema\": 1, \"thetahat\": \"0.1.0\" }", Some(Kind::Results)),
+            ("{ \"schema\": 2, \"thetahat\": \"0.1.0\" }", Some(Kind::Results)),
             ("{}", Some(Kind::Unknown)),
             ("t,q_1\n0,1\n", None),
         ] {
@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn names_tell_where_texts_do_not() {
+    fn other_files_are_recognised_by_their_names() {
         assert_eq!(of_name(Path::new("run.CSV")), Kind::Recording);
         assert_eq!(of_name(Path::new("notes.md")), Kind::Unknown);
     }

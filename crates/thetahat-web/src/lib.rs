@@ -1,11 +1,12 @@
 //! thetahat in a browser's page: a session with files in memory, JSON in and out.
 //!
-//! [`Session`] does the work, on any system; `page` is what JavaScript sees of it.
+//! [`Session`] does the work, on any system; `page` is its JavaScript interface.
 
 mod answers;
 mod budget;
 mod kind;
 mod page;
+mod remedies;
 mod request;
 mod session;
 mod store;

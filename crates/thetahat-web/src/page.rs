@@ -1,12 +1,15 @@
-//! The class that the page's worker calls. Texts are JSON; an error is a JavaScript `Error` with the message of the command line.
+//! The class that the page's worker calls. Texts are JSON; an error is a JavaScript `Error` with the library's message and the page's remedy.
 
 use std::{path::Path, sync::Mutex};
 
 use wasm_bindgen::prelude::*;
 
-use crate::session::{self, Session};
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 use crate::threads;
+use crate::{
+    remedies::with_remedy,
+    session::{self, Session},
+};
 
 /// A session in the page.
 #[wasm_bindgen(js_name = Session)]
@@ -15,12 +18,12 @@ pub struct PageSession(Session);
 type Outcome<T> = Result<T, JsError>;
 
 fn told<T>(outcome: session::Outcome<T>) -> Outcome<T> {
-    outcome.map_err(|error| JsError::new(&error.to_string()))
+    outcome.map_err(|error| JsError::new(&with_remedy(error.as_ref())))
 }
 
 #[wasm_bindgen(js_class = Session)]
 impl PageSession {
-    /// A session without files that works on so many threads: one, or those of `start_threads`.
+    /// A session without files that works on this many threads: one, or those of `start_threads`.
     #[wasm_bindgen(constructor)]
     #[must_use]
     pub fn new(threads: usize) -> Self {
@@ -39,7 +42,7 @@ impl PageSession {
     /// # Errors
     /// A path that leaves the folder.
     pub fn put(&mut self, path: &str, bytes: Vec<u8>) -> Outcome<()> {
-        told(self.0.put(path, bytes))
+        to_js(self.0.put(path, bytes))
     }
 
     /// Removes a file.
@@ -47,92 +50,92 @@ impl PageSession {
     /// # Errors
     /// A path that leaves the folder.
     pub fn remove(&mut self, path: &str) -> Outcome<()> {
-        told(self.0.remove(path))
+        to_js(self.0.remove(path))
     }
 
     /// The files with their sizes.
     ///
     /// # Errors
-    /// None in a build that passes its tests.
+    /// Infallible in practice.
     pub fn files(&self) -> Outcome<String> {
-        told(self.0.files())
+        to_js(self.0.files())
     }
 
-    /// What a file is by its content.
+    /// The kind of a file, by its content.
     ///
     /// # Errors
-    /// A file that is not there.
+    /// A missing file.
     pub fn kind(&self, path: &str) -> Outcome<String> {
-        told(self.0.kind(path).map(str::to_owned))
+        to_js(self.0.kind(path).map(str::to_owned))
     }
 
-    /// The robot and the recordings as they are read, and what is proposed for them.
+    /// The robot and the recordings as they are read, and the proposed experiment.
     ///
     /// # Errors
-    /// A request that is not of the form.
+    /// A malformed request.
     pub fn understand(&self, request: &str) -> Outcome<String> {
-        told(self.0.understand(request))
+        to_js(self.0.understand(request))
     }
 
-    /// The text of the experiment file that is proposed.
+    /// The text of the proposed experiment file.
     ///
     /// # Errors
-    /// What the command `init` says.
+    /// The errors of the command `init`.
     pub fn propose(&self, request: &str, progress: &js_sys::Function) -> Outcome<String> {
-        told(self.0.propose(request, &mut |stage| tell(progress, stage)))
+        to_js(self.0.propose(request, &mut |stage| report_stage(progress, stage)))
     }
 
     /// The findings in the recordings of an experiment.
     ///
     /// # Errors
-    /// What the command `check` says.
+    /// The errors of the command `check`.
     pub fn check(&self, experiment: &str) -> Outcome<String> {
-        told(self.0.check(experiment))
+        to_js(self.0.check(experiment))
     }
 
     /// The results of an experiment, and their files.
     ///
     /// # Errors
-    /// What the command `identify` says.
+    /// The errors of the command `identify`.
     pub fn identify(&self, experiment: &str, progress: &js_sys::Function) -> Outcome<String> {
-        told(self.0.identify(experiment, &mut |stage| tell(progress, stage)))
+        to_js(self.0.identify(experiment, &mut |stage| report_stage(progress, stage)))
     }
 
-    /// Puts the files of the demonstration, and answers its request and experiment.
+    /// Puts the files of the demonstration into the folder, and returns its request and experiment.
     ///
     /// # Errors
-    /// None in a build that passes its tests.
+    /// Infallible in practice.
     pub fn demo(&mut self) -> Outcome<String> {
-        told(self.0.demo())
+        to_js(self.0.demo())
     }
 
     /// The identified robot of a `results.json` as a file.
     ///
     /// # Errors
-    /// What the command `export` says.
+    /// The errors of the command `export`.
     pub fn export(&self, results: &str, format: &str, untrusted: bool) -> Outcome<String> {
-        told(self.0.export(results, format, untrusted))
+        to_js(self.0.export(results, format, untrusted))
     }
 }
 
-/// Makes threads, once in a memory: waits until as many other workers have called `serve_thread`.
+/// Starts threads, once per memory: waits until as many other workers have called `serve_thread`.
 ///
 /// # Errors
-/// Threads that were made before.
+/// Threads already exist.
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 #[wasm_bindgen]
 pub fn start_threads(count: usize) -> Outcome<()> {
-    told(threads::start(count))
+    to_js(threads::start(count))
 }
 
-/// Works as a thread, as long as the worker lives.
+/// Works as a thread for the lifetime of the worker.
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 #[wasm_bindgen]
 pub fn serve_thread() {
     threads::serve();
 }
 
-/// What the last panic said, after which the module must not be used; empty where there was none.
+/// The message of the last panic, after which the module must not be used; empty without a panic.
 #[wasm_bindgen]
 #[must_use]
 pub fn last_panic() -> String {
@@ -149,7 +152,7 @@ fn keep_panics() {
     }));
 }
 
-/// Tells a stage. What the page's function throws does not matter to the work.
-fn tell(progress: &js_sys::Function, stage: &str) {
+/// Reports a stage. Errors of the page's function are ignored.
+fn report_stage(progress: &js_sys::Function, stage: &str) {
     let _ = progress.call1(&JsValue::NULL, &JsValue::from_str(stage));
 }

@@ -9,7 +9,7 @@ use thetahat::{
     recording::{Side, Unit},
 };
 
-/// What is asked of a robot and its recordings: the arguments of `thetahat init`.
+/// A request for a robot and its recordings: the arguments of `thetahat init`.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(crate) struct Request {
@@ -28,7 +28,7 @@ pub(crate) struct Request {
 }
 
 impl Request {
-    /// The files in the session's folder, in which the experiment lies too.
+    /// The files in the session's folder, which also contains the experiment.
     pub(crate) fn files(&self, folder: &Path) -> ProposalFiles {
         ProposalFiles {
             robot: folder.join(self.robot.clone().unwrap_or_default()),

@@ -5,13 +5,14 @@ use std::{
 
 use serde::Serialize;
 use thetahat::{
-    experiment::{EstimateRequest, Experiment, propose},
+    Experiment, Results,
+    experiment::{EstimateRequest, propose},
     export::{Format, IdentifiedModel},
     recording::{Contents, inspect_with_time},
-    report::{self, Published},
-    results::Results,
+    report::Published,
     robot::RobotSource,
 };
+use thetahat_report::report;
 
 use crate::{
     answers::{Demo, Exported, Identified, Understanding},
@@ -21,13 +22,13 @@ use crate::{
     store,
 };
 
-/// A result, or what the command line says.
+/// A result, or an error of the library.
 pub type Outcome<T> = Result<T, Box<dyn Error>>;
 
 /// The name of the experiment file.
 const EXPERIMENT: &str = "experiment.toml";
 
-/// Files in a folder, and what is done with them. Answers are JSON, unless they are one text.
+/// Files in a folder, and the work on them. Answers are JSON, unless they are a single text.
 #[derive(Debug, Clone)]
 pub struct Session {
     folder: PathBuf,
@@ -42,19 +43,19 @@ struct File<'a> {
 }
 
 impl Session {
-    /// A session whose files lie in a folder; in a page it is the empty path.
+    /// A session with its files in a folder; in a page that is the empty path.
     #[must_use]
     pub fn in_folder(folder: &Path) -> Self {
         Self { folder: folder.to_owned(), threads: 1, files: Vec::new() }
     }
 
-    /// The same on so many threads, on which no answer depends.
+    /// The same with this many threads; answers do not depend on their number.
     #[must_use]
     pub fn on_threads(self, threads: usize) -> Self {
         Self { threads, ..self }
     }
 
-    /// Puts a file into the folder, in the place of one of the same path.
+    /// Puts a file into the folder, replacing a file with the same path.
     ///
     /// # Errors
     /// A file with which the folder is too large, or that cannot be written.
@@ -78,29 +79,29 @@ impl Session {
     /// The files that were put.
     ///
     /// # Errors
-    /// None in a build that passes its tests.
+    /// Infallible in practice.
     pub fn files(&self) -> Outcome<String> {
         let files: Vec<File<'_>> = self.files.iter().map(|(path, bytes)| File { path, bytes: *bytes }).collect();
         Ok(serde_json::to_string(&files)?)
     }
 
-    /// What a file is by its content: `robot`, `experiment`, `results`, `recording` or `unknown`.
+    /// The kind of a file, by its content: `robot`, `experiment`, `results`, `recording` or `unknown`.
     ///
     /// # Errors
-    /// A file that is not there.
+    /// A missing file.
     pub fn kind(&self, path: &str) -> Outcome<&'static str> {
         Ok(Kind::of(&self.folder.join(path)).map_err(|e| format!("{path}: {e}"))?.name())
     }
 
-    /// What is understood of a request's files.
+    /// What was read from a request's files.
     ///
     /// # Errors
-    /// A request that is not of the form; what is wrong with a file is in the answer.
+    /// A malformed request; errors in files are part of the answer.
     pub fn understand(&self, request: &str) -> Outcome<String> {
         Ok(serde_json::to_string(&Understanding::of(&parse(request)?, &self.folder))?)
     }
 
-    /// The experiment file that is proposed, its filter chosen on a twin of the record.
+    /// The proposed experiment file, with the filter chosen on a simulated twin of the recording.
     ///
     /// # Errors
     /// As the command `init`.
@@ -116,7 +117,7 @@ impl Session {
             .collect::<Result<_, _>>()?;
         let source = RobotSource::read(&files.robot)?;
         let proposal = propose(&request.proposal(&files), &source, &contents)?;
-        progress("choosing the filter on a twin of the record");
+        progress("choosing the filter on a simulated twin of the recording");
         Ok(proposal.with_chosen_filter(source.to_text(), &files.data_folder(), self.threads)?.text())
     }
 
@@ -144,10 +145,10 @@ impl Session {
         Ok(serde_json::to_string(&Identified::of(&results, published.as_ref())?)?)
     }
 
-    /// Puts the files of the demonstration, and answers a request for [`Session::understand`] and its experiment.
+    /// Puts the files of the demonstration into the folder, and returns a request for [`Session::understand`] and its experiment.
     ///
     /// # Errors
-    /// None in a build that passes its tests.
+    /// Infallible in practice.
     pub fn demo(&mut self) -> Outcome<String> {
         let demo = Demo::new()?;
         for (path, bytes) in demo.files {

@@ -1,4 +1,4 @@
-//! Where the session's files are: in memory in a page, and in a folder on systems with files.
+//! Storage of the session's files: in memory in a page, and in a folder on systems with files.
 
 use std::path::Path;
 
@@ -6,20 +6,20 @@ use crate::session::Outcome;
 
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 pub(crate) fn put(path: &Path, bytes: Vec<u8>) -> Outcome<()> {
-    thetahat::files::put(path, bytes);
+    thetahat_ground::files::put(path, bytes);
     Ok(())
 }
 
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 pub(crate) fn remove(path: &Path) -> Outcome<()> {
-    thetahat::files::remove(path);
+    thetahat_ground::files::remove(path);
     Ok(())
 }
 
 /// The beginning of a file.
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 pub(crate) fn beginning(path: &Path, most: usize) -> Outcome<Vec<u8>> {
-    Ok(thetahat::files::beginning(path, most)?)
+    Ok(thetahat_ground::files::beginning(path, most)?)
 }
 
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]

@@ -64,7 +64,7 @@ fn a_broken_file_is_an_answer() -> Outcome<()> {
     assert_eq!(understood["recordings"][0]["channels"][1]["name"], "tau_1");
     let error = &understood["recording_errors"][0];
     assert!(error["path"] == "broken.npz" && error["message"].as_str().unwrap().contains("broken.npz"), "{error}");
-    assert!(understood["proposal_error"].as_str().unwrap().contains("--position"), "{understood}");
+    assert!(understood["proposal_error"].as_str().unwrap().contains("under Corrections"), "{understood}");
     assert_eq!(understood["skeleton"]["frames"].as_array().map(Vec::len), Some(1));
     Ok(())
 }

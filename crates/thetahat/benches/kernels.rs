@@ -5,7 +5,7 @@ mod tx40;
 use std::path::Path;
 
 use divan::{Bencher, black_box};
-use thetahat::{dynamics::Sign, experiment::Experiment, series::Series, signal::Decimator};
+use thetahat::{Experiment, Series, dynamics::Sign, signal::Decimator};
 use tx40::{DDQ, Q, SIGN, Tx40, state};
 
 fn main() {
@@ -60,7 +60,7 @@ fn regressor(bencher: Bencher) {
 /// 160 channels of 7.4 s at 5 kHz, by 100.
 #[divan::bench(sample_count = 10)]
 fn decimate_160_channels(bencher: Bencher) {
-    let series = Series::from_values(160, (0..160 * 36_800).map(|k| f64::from(k % 1009)).collect());
+    let series = Series::shaped(160, (0..160 * 36_800).map(|k| f64::from(k % 1009)).collect());
     let decimator = Decimator::new(100, series.len()).expect("a record that is long enough");
     bencher.bench_local(|| decimator.decimate(&series));
 }

@@ -3,16 +3,14 @@
 
 use divan::Bencher;
 use thetahat::{
+    ControllerDescription, Experiment, Robot,
     base_parameters::BaseParameters,
-    control::ControllerDescription,
     dynamics::Model,
-    experiment::Experiment,
-    robot::{Robot, Role},
-    simulation::{
-        ClosedLoop, Job, OutputGrid, Reference, SensitiveTo, Sensitivities, SimulatorBias, Solver, simulate_all,
-    },
+    simulation::{ClosedLoop, OutputGrid, Reference, SensitiveTo, Sensitivities, SimulatorBias, Solver},
     trajectory::{MotionLimits, plan},
 };
+use thetahat_estimation::simulation::{Job, simulate_all};
+use thetahat_model::robot::Role;
 
 const EXPLICIT: Solver = Solver::ODE45;
 const IMPLICIT: Solver = Solver::Implicit { relative_tolerance: 1e-4, absolute_tolerance: 1e-7 };

@@ -4,16 +4,15 @@
 //! arrays of positions and torques to estimates with intervals, without a file:
 //!
 //! ```
-//! use thetahat::{ControllerDescription, Identification, Method, Recording, Robot, Settings};
+//! use thetahat::{ControllerDescription, Identification, Method, Recording, Robot, Series, Settings};
 //!
 //! # const URDF: &str = r#"<robot name="pendulum"><link name="base"/><link name="arm"><inertial><origin xyz="0.3 0 0"/>
 //! #   <mass value="2"/><inertia ixx="0.01" iyy="0.05" izz="0.05" ixy="0" ixz="0" iyz="0"/></inertial></link>
 //! #   <joint name="shoulder" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/>
 //! #   <limit lower="-3" upper="3" effort="50" velocity="5"/></joint></robot>"#;
 //! # use std::path::Path;
-//! # use thetahat::series::Series;
 //! # // 10 s at 1 kHz: tau = 0.23 ddq - 5.886 cos q + 0.4 dq + 0.6 sign(dq), with noise on the torque.
-//! # fn logged() -> (f64, Series, Series) {
+//! # fn logged() -> Result<(f64, Series, Series), SeriesError> {
 //! #     let (w, a) = ([1.7_f64, 4.1], [0.7_f64, 0.15]);
 //! #     let (mut q, mut tau) = (Vec::new(), Vec::new());
 //! #     for k in 0..10_000 {
@@ -25,10 +24,10 @@
 //! #         q.push(x);
 //! #         tau.push(0.23 * acc - 5.886 * x.cos() + 0.4 * v + 0.6 * v.signum() + noise);
 //! #     }
-//! #     (1000.0, Series::from_values(1, q), Series::from_values(1, tau))
+//! #     Ok((1000.0, Series::from_values(1, q)?, Series::from_values(1, tau)?))
 //! # }
 //! let robot = Robot::parse(URDF, Path::new("pendulum.urdf"))?;
-//! let (rate_hz, positions, torques) = logged(); // one channel per joint, in rad and N m
+//! let (rate_hz, positions, torques) = logged()?; // one channel per joint, in rad and N m
 //! let recording = Recording::new(rate_hz, positions.clone(), torques).with_reference(positions);
 //! let settings = Settings::new(25.0, 10) // cut-off of the position filter in Hz, decimation
 //!     .with_methods([Method::IDIM_LS, Method::IDIM_IV])
@@ -50,20 +49,151 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The rooms follow the way of the data, from the robot and the recording to the report; a room uses only rooms listed
-//! above it. A file that describes a run is read by [`experiment`], and lowers to the same.
+//! # The way of the data
+//!
+//! | step | modules |
+//! | --- | --- |
+//! | The robot | [`robot`], [`dynamics`], [`regressor`], [`base_parameters`], [`consistency`], [`symbolic`] |
+//! | The recording | [`recording`], [`signal`], [`preparation`], [`checks`], [`filter_choice`] |
+//! | The closed loop | [`control`], [`trajectory`], [`simulation`] |
+//! | The estimates | [`regression`], [`identification`], [`statistics`], [`Identification`] |
+//! | The results | [`results`], [`report`], [`export`] |
+//! | From files, and many runs | [`experiment`], [`campaign`], [`reduction`], [`design`] |
+//!
+//! [`Series`] and [`Matrix`] hold all arrays. Every error converts to [`enum@Error`]. Six programs are in the manual:
+//! `docs/manual/rust.md`.
 
-pub use thetahat_data::recording;
-pub use thetahat_estimation::{
-    checks, control, identification, regression, signal, simulation, statistics, trajectory,
-};
-pub use thetahat_ground::{
-    clock, digest, files, linear_algebra, number, one_or_each, output, pool, real, series, vector, visible,
-};
-pub use thetahat_model::{
-    base_parameters, collision, consistency, dynamics, regressor, robot, robot_summary, symbolic,
-};
-pub use thetahat_report::{report, results};
+/// A robot: its joints and transmission, from URDF or TOML, and the table of its standard parameters.
+pub mod robot {
+    #[doc(inline)]
+    pub use thetahat_model::robot::{
+        DenavitHartenberg, Friction, Joint, JointKind, Limits, LockError, LockedJoint, Locks, Mimic, Parameter,
+        ParameterTable, Placement, Quantity, RobotError, RobotSource, Transmission,
+    };
+    #[doc(inline)]
+    pub use thetahat_model::robot_summary::{FrameJoint, MovingFrames, RobotSummary};
+}
+
+/// Channels of a log: text, NumPy, MATLAB, Parquet and ROS 2 bags; their units and clock.
+pub mod recording {
+    #[doc(inline)]
+    pub use thetahat_data::recording::{
+        ChannelSource, ColumnSummary, Contents, Dialect, Format, RecordingError, Resampling, Side, Unit, inspect,
+        inspect_with_time, read_channels,
+    };
+}
+
+/// Inverse and forward dynamics, mass matrix and energy, without allocation.
+pub mod dynamics {
+    #[doc(inline)]
+    pub use thetahat_model::dynamics::{DynamicParameters, DynamicsError, Model, Sign, State, Workspace};
+}
+
+/// The regressor `phi` of `tau = phi(q, dq, ddq) theta`.
+pub mod regressor {
+    #[doc(inline)]
+    pub use thetahat_model::regressor::{BufferedRegressor, Entry, Regressor};
+}
+
+/// The parameters that torques depend on, and how they are regrouped.
+pub mod base_parameters {
+    #[doc(inline)]
+    pub use thetahat_model::base_parameters::{BaseParameter, BaseParameters, BaseParametersError};
+}
+
+/// Physically consistent parameters: the set, and estimates in it.
+pub mod consistency {
+    #[doc(inline)]
+    pub use thetahat_model::consistency::{
+        ConsistencyError, ConsistentFit, ConsistentSet, Examination, Known, LeastSquares, Prior, Symmetric,
+        completed_a_priori, examine, fit,
+    };
+}
+
+/// Models as code in C, Rust, Python, MATLAB and LaTeX.
+pub mod symbolic {
+    #[doc(inline)]
+    pub use thetahat_model::symbolic::{
+        BaseFormulas, DriveTorques, Function, Language, ModelKind, ParameterSet, Request, SymbolicError,
+    };
+}
+
+/// Filters without phase, derivatives and decimation.
+pub mod signal {
+    #[doc(inline)]
+    pub use thetahat_estimation::signal::{
+        Decimator, Derivative, Motion, Padding, SecondOrderSections, SignalError, band_pass, central_difference,
+        zero_phase,
+    };
+}
+
+/// Point-to-point moves and Fourier series.
+pub mod trajectory {
+    #[doc(inline)]
+    pub use thetahat_estimation::trajectory::{
+        FourierSeries, MotionLimits, Move, Moves, Periodic, TrajectoryError, plan,
+    };
+}
+
+/// Controllers, as data or as a law of your own.
+pub mod control {
+    #[doc(inline)]
+    pub use thetahat_estimation::control::{ControlLaw, Controller, ControllerError, Law, LawInput, VelocityEstimate};
+}
+
+/// The closed loop of robot and controller, its sensitivities, and how a simulator is biased.
+pub mod simulation {
+    #[doc(inline)]
+    pub use thetahat_estimation::simulation::{
+        BiasKind, ClosedLoop, OutputGrid, PeriodicReference, Reference, SampledReference, SensitiveTo, Sensitivities,
+        Sensors, SimulatedMotion, SimulationError, SimulatorBias, Solver,
+    };
+}
+
+/// Rows `X`, `y` with their weights and layout.
+pub mod regression {
+    #[doc(inline)]
+    pub use thetahat_estimation::regression::{InstrumentalVariables, Regression, RowLayout, relative_error_percent};
+}
+
+/// Covariances and tests.
+pub mod statistics {
+    #[doc(inline)]
+    pub use thetahat_estimation::statistics::{
+        ChiSquaredTest, FTest, Sandwich, chi_squared_test, f_probability, f_test, t_quantile,
+    };
+}
+
+/// The estimators, and an estimator of your own.
+pub mod identification {
+    #[doc(inline)]
+    pub use thetahat_estimation::identification::{
+        Assembly, EstimationError, Fit, Needs, Outcome, Response, SimulatedResponse, Status, Uncertainty,
+        UnknownMethod, UserError, UserEstimate, UserEstimator, UserRegression, Weighting, idim_iv, idim_ls,
+        uncertainty,
+    };
+}
+
+/// What is wrong with a recording: findings with a code.
+pub mod checks {
+    #[doc(inline)]
+    pub use thetahat_estimation::checks::{Code, Finding, Severity};
+}
+
+/// What a run yields, as plain data.
+pub mod results {
+    #[doc(inline)]
+    pub use thetahat_report::results::{
+        CampaignResults, Card, DesignResults, JointResult, NOMINAL, ParameterResult, Prediction, ProfiledTerm,
+        ReasonCode, RecordingFindings, ResultsError, RunResult, SideBySide, Verdict, VerdictReason,
+    };
+}
+
+/// Results as text, HTML, JSON and CSV.
+pub mod report {
+    #[doc(inline)]
+    pub use thetahat_report::report::{Published, ReportError, card_text, file_names, model_text, render, write_all};
+}
 
 pub mod preparation;
 
@@ -73,6 +203,7 @@ mod scheduling;
 
 mod diagnosis;
 
+#[doc(hidden)]
 pub mod run;
 
 pub mod experiment;
@@ -84,11 +215,35 @@ pub mod reduction;
 pub mod design;
 pub mod export;
 
-pub use control::ControllerDescription;
+mod error;
+
+pub use error::Error;
+#[doc(inline)]
 pub use experiment::Experiment;
-pub use identification::Method;
+#[doc(inline)]
 pub use preparation::{Recording, Settings};
-pub use results::Results;
-pub use robot::Robot;
+#[doc(inline)]
 pub use run::Identification;
+#[doc(inline)]
+pub use thetahat_estimation::control::ControllerDescription;
+#[doc(inline)]
+pub use thetahat_estimation::identification::Method;
+#[doc(inline)]
+pub use thetahat_ground::linear_algebra::Matrix;
+#[doc(inline)]
 pub use thetahat_ground::one_or_each::OneOrEach;
+#[doc(inline)]
+pub use thetahat_ground::series::Series;
+#[doc(inline)]
+pub use thetahat_model::robot::Robot;
+#[doc(inline)]
+pub use thetahat_report::results::Results;
+
+/// The programs of the manual and the README, which are compiled and run as documentation tests.
+#[cfg(doctest)]
+mod documents {
+    #[doc = include_str!("../../../docs/manual/rust.md")]
+    mod rust {}
+    #[doc = include_str!("../../../README.md")]
+    mod readme {}
+}

@@ -1,4 +1,4 @@
-// The bar at the lower edge: what runs, and the one thing to do next.
+// The bar at the lower edge: the running task, and the next step.
 
 import { useEffect, useState } from "preact/hooks";
 import type { State, Task } from "../state";

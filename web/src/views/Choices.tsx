@@ -1,4 +1,4 @@
-// What a person puts right: the unit, the side, the columns of each joint, joints that do not move.
+// The user's corrections: unit, side, columns of each joint, joints that do not move.
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { App } from "../app";
@@ -17,7 +17,7 @@ interface Props {
 
 export function Choices({ state, app, understanding }: Props) {
   const { proposal, unfinished } = understanding;
-  // Once it was needed it stays open: it must not close while something is being put right.
+  // Once it was needed it stays open: it must not close during a correction.
   const isOpen = useRef(false);
   isOpen.current ||= proposal === null;
   return (
@@ -31,7 +31,7 @@ export function Choices({ state, app, understanding }: Props) {
 function OwnText({ app, hasProposal }: { app: App; hasProposal: boolean }) {
   return (
     <div class="buttons">
-      <p>The experiment is a text of its own, which is changed in experiment.toml below.</p>
+      <p>The experiment is your own text; edit experiment.toml below.</p>
       {hasProposal && <button type="button" onClick={() => app.useProposal()}>Propose another one</button>}
     </div>
   );
@@ -48,13 +48,13 @@ function Fields({ state, app, understanding }: Props) {
       </fieldset>
       <Columns state={state} app={app} understanding={understanding} />
       <p class="buttons">
-        <button type="button" disabled={isBusy || Object.keys(state.choices).length === 0} onClick={() => app.chooseNothing()}>Take all as found</button>
+        <button type="button" disabled={isBusy || Object.keys(state.choices).length === 0} onClick={() => app.chooseNothing()}>Use all as detected</button>
       </p>
     </>
   );
 }
 
-/** Units and side of the two signals, and the rate where there is no time. */
+/** Units and side of the two signals, and the rate without a time column. */
 function Signals({ state, app, proposal }: { state: State; app: App; proposal: ProposalAnswer | null }) {
   const { choices } = state;
   return (
@@ -66,7 +66,7 @@ function Signals({ state, app, proposal }: { state: State; app: App; proposal: P
       <Choice label="Measured at" found={proposal?.torque.side} value={choices.side} options={["joint", "motor"]}
         choose={(side) => app.choose({ side: side as Side | undefined })} />
       <label>
-        Samples per second, without time
+        Samples per second, if there is no time
         <input type="number" min="0" step="any" value={choices.rate ?? ""} placeholder={proposal?.time ? "from the time" : ""}
           onChange={(event) => app.choose({ rate: event.currentTarget.valueAsNumber || undefined })} />
       </label>
@@ -91,14 +91,14 @@ function Choice({ label, found, value, options, choose }: ChoiceProps) {
     <label>
       {label}
       <select value={value ?? ""} onChange={(event) => choose(event.currentTarget.value || undefined)}>
-        <option value="">{value === undefined && found ? `as found: ${found}` : "as found"}</option>
+        <option value="">{value === undefined && found ? `as detected: ${found}` : "as detected"}</option>
         {options.map((option) => <option key={option} value={option}>{option}</option>)}
       </select>
     </label>
   );
 }
 
-/** The columns of each joint, taken when every joint that moves has both. */
+/** The columns of each joint, used once every joint that moves has both. */
 function Columns({ state, app, understanding }: Props) {
   const isBusy = isAtWork(state);
   const [draft, setDraft] = useDraft(state, understanding);
@@ -127,7 +127,7 @@ function Columns({ state, app, understanding }: Props) {
   );
 }
 
-/** What was chosen and is not proposed yet; a proposal that answers the last choices takes its place. */
+/** Choices without an answer yet; the proposal that answers them replaces the draft. */
 function useDraft({ choices, answered }: State, understanding: Understanding) {
   const [draft, setDraft] = useState<Assignment | null>(null);
   useEffect(() => {
@@ -153,7 +153,7 @@ function Row({ joint, names, take }: { joint: JointColumns; names: string[]; tak
   );
 }
 
-/** Keeps what is being typed, whatever is answered meanwhile. */
+/** Keeps the typed text until it is complete. */
 function LockValue({ name, value, take }: { name: string; value: number; take: (value: number) => void }) {
   const [typed, setTyped] = useState<string | null>(null);
   const done = (value: number) => {

@@ -1,4 +1,4 @@
-// The experiment file: the one that `thetahat init` writes, to read, change and keep.
+// The experiment file, as `thetahat init` writes it: to read, edit and save.
 
 import type { Experiment as Text, Origin } from "../state";
 import { save } from "../save";
@@ -6,10 +6,10 @@ import type { View } from "./Page";
 
 const ORIGINS: Record<Origin, string> = {
   proposed: "Proposed, with the usual filter. Identify first chooses the filter from the data, as the command init does.",
-  unfinished: "Proposed: fill in gain = [], as is said in it; then identify.",
+  unfinished: "Proposed: fill in gain = [] as explained in it, then identify.",
   chosen: "Proposed, with the filter chosen from the data: the file that the command init writes.",
-  edited: "Changed by hand.",
-  given: "As it was given.",
+  edited: "Edited by hand.",
+  given: "As given.",
 };
 
 export function Experiment({ state, app, experiment }: View & { experiment: Text }) {
@@ -22,7 +22,7 @@ export function Experiment({ state, app, experiment }: View & { experiment: Text
           <button type="button" disabled={state.task !== null} onClick={() => app.chooseFilter()}>Choose the filter now</button>
         )}
         {experiment.origin === "edited" && (state.understanding?.proposal || state.understanding?.unfinished) && (
-          <button type="button" onClick={() => app.useProposal()}>Take the proposal again</button>
+          <button type="button" onClick={() => app.useProposal()}>Use the proposal again</button>
         )}
         <button type="button" onClick={() => save("experiment.toml", experiment.text)}>Save experiment.toml</button>
       </p>

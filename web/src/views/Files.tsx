@@ -1,4 +1,4 @@
-// The files: dropped, chosen, or those of the demo, each with what it is or why it is not used.
+// The files: dropped, chosen, or those of the demo, each with its kind or the reason why it is not used.
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { GivenFile } from "../app";
@@ -31,7 +31,7 @@ export function Files({ state, app }: View) {
           <FileButton label="Choose robot" accept={ROBOTS} take={(files) => app.add(files)} />
           <FileButton label="Choose logs" accept={LOGS} take={(files) => app.add(files)} />
           <button type="button" onClick={() => app.demo()}>Try the demo</button>
-          {!isEmpty && <button type="button" onClick={() => app.startAnew()}>Start anew</button>}
+          {!isEmpty && <button type="button" onClick={() => app.startAnew()}>Start over</button>}
         </p>
         {isEmpty && <Accepted />}
       </div>
@@ -41,7 +41,7 @@ export function Files({ state, app }: View) {
   );
 }
 
-/** Takes files that are dropped anywhere on the page; whether some are over it. */
+/** Receives files that are dropped anywhere on the page; returns whether files are over it. */
 function useDrop(take: (files: GivenFile[]) => void): boolean {
   const [isOver, setOver] = useState(false);
   useEffect(() => {

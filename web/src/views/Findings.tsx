@@ -1,20 +1,21 @@
-// One list of all that is to be said of the files: the gravest first, each with what to do.
+// One list of all findings in the files: the most serious first, each with its remedy.
 
+import { sentence } from "../words";
 import type { Finding, RobotAnswer, Severity, Understanding } from "../contract";
 
-/** The code of what is doubtful in a robot's description. */
+/** The code of doubtful values in a robot's description. */
 const DOUBT = "robot-description";
 const ORDER: Severity[] = ["problem", "warning", "guess", "note"];
 
 export function Findings({ understanding, problem }: { understanding: Understanding; problem: string | null }) {
   const findings = allFindings(understanding, problem);
-  if (findings.length === 0) return <p class="fine">Nothing to object to.</p>;
+  if (findings.length === 0) return <p class="fine">No problems found.</p>;
   const isOfSeveral = new Set(understanding.findings.map(({ recording }) => recording)).size > 1;
   return (
     <ul class="findings" aria-label="Findings">
       {findings.map((finding, index) => (
         <li key={index} class="finding" data-severity={finding.severity}>
-          <span class="severity">{finding.severity}{isOfSeveral && finding.recording && ` in recording ${finding.recording}`}</span>
+          <span class="severity">{finding.severity}{isOfSeveral && finding.recording && ` (${finding.recording})`}</span>
           <p>{finding.joint && <strong>{finding.joint}: </strong>}{finding.text}{finding.code && <> <span class="code">[{finding.code}]</span></>}</p>
           {finding.remedy && <p class="remedy">{finding.remedy}</p>}
         </li>
@@ -25,8 +26,8 @@ export function Findings({ understanding, problem }: { understanding: Understand
 
 function allFindings({ robot, proposal, proposal_error: failed, findings }: Understanding, problem: string | null): Finding[] {
   const problems = [problem, failed, robot?.problem].filter((text) => text != null).map(plain("problem"));
-  const guesses = (proposal?.guesses ?? []).map(plain("guess"));
-  // The checks of a log say what is doubtful in the robot, too.
+  const guesses = (proposal?.guesses ?? []).map(sentence).map(plain("guess"));
+  // The checks of a log also report doubtful values of the robot.
   const doubts = findings.some(({ code }) => code === DOUBT) ? [] : (robot?.doubts ?? []).map(doubtful);
   return [...problems, ...findings, ...doubts, ...guesses].sort((a, b) => ORDER.indexOf(a.severity) - ORDER.indexOf(b.severity));
 }

@@ -1,4 +1,4 @@
-// The whole page: files, what was understood, the experiment, the result, and the bar that leads on.
+// The whole page: files, what was read, the experiment, the result, and the bar with the next step.
 
 import { useErrorBoundary } from "preact/hooks";
 import type { App } from "../app";
@@ -33,20 +33,20 @@ export function Page({ state, app }: View) {
         <Result state={state} app={app} />
       </main>
       <footer>
-        <p>thetahat, MIT or Apache-2.0. The same program runs as a command, where it takes records of any length.</p>
+        <p>thetahat, MIT or Apache-2.0. The same program runs as a command, for recordings of any length.</p>
       </footer>
       <Bar state={state} app={app} />
     </>
   );
 }
 
-/** What is left where a view fails. */
+/** Shown if a view fails. */
 function Failed({ error, startAnew }: { error: Error; startAnew: () => void }) {
   return (
     <main>
       <h1>thetahat</h1>
-      <p class="error" role="alert">The page itself failed, which is a mistake of thetahat: {error.message}</p>
-      <p class="buttons"><button type="button" onClick={startAnew}>Start anew</button></p>
+      <p class="error" role="alert">The page itself failed; this is a bug in thetahat: {error.message}</p>
+      <p class="buttons"><button type="button" onClick={startAnew}>Start over</button></p>
     </main>
   );
 }

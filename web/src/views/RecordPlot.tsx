@@ -1,4 +1,4 @@
-// Positions and torques of each joint, with the window that is used: dragged, or typed.
+// Positions and torques of each joint, with the window used: dragged, or typed.
 
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { App } from "../app";
@@ -23,7 +23,7 @@ export function RecordPlot({ series, state, app }: { series: Series; state: Stat
   };
   return (
     <figure class="record">
-      <figcaption class="caption"><span>Positions and torques; the window that is used is shaded</span></figcaption>
+      <figcaption class="caption"><span>Positions and torques; the window used is shaded</span></figcaption>
       {!isFixed && <WindowFields series={series} window={window} isBusy={isAtWork(state)} choose={choose} asFound={() => app.choose({ window_s: undefined })} />}
       <div class="charts">
         {series.joints.map((name, joint) => (
@@ -58,13 +58,13 @@ function WindowFields({ series, window, isBusy, choose, asFound }: FieldsProps) 
       <span aria-hidden="true">Window</span>
       {field("from", window[0], (value) => [value, window[1]])}
       {field("to", window[1], (value) => [window[0], value])}
-      <button type="button" onClick={() => choose([first, last])}>Whole record</button>
-      <button type="button" onClick={asFound}>As found</button>
+      <button type="button" onClick={() => choose([first, last])}>Whole recording</button>
+      <button type="button" onClick={asFound}>As detected</button>
     </fieldset>
   );
 }
 
-/** A step of the fields: about a hundredth of the record, in round numbers. */
+/** A step of the fields: about a hundredth of the recording, in round numbers. */
 function stepOf(length: number): number {
   return 10 ** Math.floor(Math.log10(Math.max(length, 1e-3) / 50));
 }
@@ -73,7 +73,7 @@ function endsOf({ time_s: times }: Series): Window {
   return [times[0] ?? 0, times.at(-1) ?? 0];
 }
 
-/** A window inside the record that does not end before it begins. */
+/** A window inside the recording that does not end before it begins. */
 function ordered([a, b]: Window, series: Series): Window {
   const [first, last] = endsOf(series);
   const inside = (value: number) => Math.max(first, Math.min(last, Number(value.toFixed(4))));

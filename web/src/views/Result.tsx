@@ -7,15 +7,15 @@ import type { ExportFormat, Run } from "../state";
 import type { View } from "./Page";
 import { Report } from "./Report";
 
-const VERDICTS: Record<Verdict, string> = { good: "good", care: "take with care", "do-not-use": "do not use" };
+const VERDICTS: Record<Verdict, string> = { good: "good", care: "use with care", "do-not-use": "do not use" };
 
 /** Formats of exported robots, with their extensions. */
 const FORMATS: [ExportFormat, string][] = [["urdf", "urdf"], ["mjcf", "xml"], ["sdf", "sdf"], ["json", "json"]];
 
 /** The verdict in a sentence. */
 export function headline({ results }: Run): string {
-  const take = results.advice[0]?.take;
-  const method = take && results.verdict !== "do-not-use" ? ` Take ${take}.` : "";
+  const recommended = results.advice[0]?.recommended;
+  const method = recommended && results.verdict !== "do-not-use" ? ` Recommended method: ${recommended}.` : "";
   return results.verdict ? `Verdict: ${VERDICTS[results.verdict]}.${method}` : "There is no verdict.";
 }
 
@@ -40,7 +40,7 @@ export function Result({ state, app }: View) {
   );
 }
 
-/** The title of a new result, where the reader is led. */
+/** The title of a new result, which gets the focus. */
 function Title() {
   const title = useRef<HTMLHeadingElement>(null);
   useEffect(() => {
@@ -68,13 +68,13 @@ function Downloads({ state, app, run }: View & { run: Run }) {
         ))}
       </p>
       {state.problem?.at === "export" && <p class="error" role="alert">{state.problem.message}</p>}
-      {isRefused && <p class="buttons"><button type="button" onClick={() => app.export("urdf", true)}>Write the URDF all the same</button></p>}
+      {isRefused && <p class="buttons"><button type="button" onClick={() => app.export("urdf", true)}>Write the URDF anyway</button></p>}
       {state.exported && <Exported state={state} app={app} run={run} />}
     </div>
   );
 }
 
-/** What the export says, and its files. */
+/** The remarks on the export, and its files. */
 function Exported({ state, run }: View & { run: Run }) {
   const { format, answer } = state.exported!;
   const name = `${run.results.robot}.${new Map(FORMATS).get(format)}`;
@@ -84,7 +84,7 @@ function Exported({ state, run }: View & { run: Run }) {
         <button type="button" onClick={() => save(name, answer.file)}>{name}</button>
         {answer.covariance && <button type="button" onClick={() => save(`${name}.covariance.json`, answer.covariance!)}>{name}.covariance.json</button>}
       </p>
-      <pre tabIndex={0} role="region" aria-label="What is said of the export">{answer.text}</pre>
+      <pre tabIndex={0} role="region" aria-label="Remarks on the export">{answer.text}</pre>
     </div>
   );
 }

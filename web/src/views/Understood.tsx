@@ -1,4 +1,4 @@
-// What was understood of the files, and the choices that put it right.
+// What was read from the files, and the choices that correct it.
 
 import type { RecordingAnswer, RobotAnswer, Understanding } from "../contract";
 import { count, seconds, significant } from "../words";
@@ -12,7 +12,7 @@ export function Understood({ state, app, understanding }: View & { understanding
   const { robot, recordings, proposal, skeleton, series } = understanding;
   return (
     <section id="understood" aria-labelledby="understood-title" aria-busy={state.task?.name === "understand"}>
-      <h2 id="understood-title">What was understood</h2>
+      <h2 id="understood-title">What we read</h2>
       <div class="head">
         <div>
           <dl>
@@ -46,8 +46,8 @@ function Proposal({ understanding }: { understanding: Understanding }) {
   const unit = (value: string | string[]) => [...new Set([value].flat())].join(", ");
   return (
     <>
-      <dt>Positions</dt><dd>{unit(position.unit)}, of the {position.side}s</dd>
-      <dt>Torques</dt><dd>{unit(torque.unit)}, of the {torque.side}s</dd>
+      <dt>Positions</dt><dd>{unit(position.unit)}, at the {position.side}s</dd>
+      <dt>Torques</dt><dd>{unit(torque.unit)}, at the {torque.side}s</dd>
       <dt>Window</dt><dd>{seconds(window[0])} to {seconds(window[1])}</dd>
       {locked.length > 0 && <><dt>Locked</dt><dd>{locked.map(({ name, value }) => `${name} at ${significant(value)}`).join(", ")}</dd></>}
     </>

@@ -1,18 +1,18 @@
-//! How much memory a file may ask for: a small file cannot make the program allocate without bound.
+//! Limits the memory that a file may request: a small file cannot make the program allocate without bound.
 
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use super::error::RecordingError;
 
-/// Values that any file may hold, 128 MiB in double precision. A reader holds them up to five times: decompressed, decoded,
+/// Values allowed for any file, 128 MiB in double precision. A reader holds them up to five times: decompressed, decoded,
 /// as columns, as a series, and once more while a vector grows.
 const ANY_FILE: usize = 1 << 24;
 
-/// The values that may still be read from a file: 16 million at first, or one for each byte of a larger file.
+/// The number of values that may still be read from a file: 16 million at first, or one for each byte of a larger file.
 ///
-/// A file that is not compressed always fits. Recorded motion compresses by less than ten; a file that expands by more is
-/// damaged or made to do harm.
+/// A file that is not compressed always fits. Recorded motion compresses by a factor below ten; a file that expands by more is damaged or
+/// malicious.
 pub(super) struct Budget {
     file: PathBuf,
     limit: usize,
@@ -25,7 +25,7 @@ impl Budget {
         Self { file: file.to_owned(), limit, left: limit }
     }
 
-    /// Takes room for the values of a block of these sides.
+    /// Reserves the values of a block with these side lengths.
     pub(super) fn take(&mut self, what: &str, sides: &[usize]) -> Result<usize, RecordingError> {
         let values = sides.iter().try_fold(1_usize, |product, side| product.checked_mul(*side));
         match values {
@@ -58,7 +58,7 @@ impl Budget {
     }
 }
 
-/// Why a part was not decompressed.
+/// Why a part could not be decompressed.
 pub(super) enum DecompressError {
     Damaged(io::Error),
     TooLarge(RecordingError),

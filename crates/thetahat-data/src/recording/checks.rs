@@ -8,20 +8,20 @@ use thetahat_ground::series::Series;
 
 /// Largest deviation of a time step from the mean step, relative to the mean step.
 ///
-/// A thousandth of a step is far below what filtering and differentiation notice, and far above the rounding of a time
-/// axis that was written with enough digits.
+/// A thousandth of a step is far below what affects filtering and differentiation, and far above the rounding of a time axis that was
+/// written with enough digits.
 pub const STEP_TOLERANCE: f64 = 1e-3;
 
-/// The sample rate in Hz of a time axis in seconds: the number of steps divided by the time they take.
+/// The sample rate in Hz of a time axis in seconds: the number of steps divided by their total time.
 ///
-/// `file` and `column` say in an error where the times come from.
+/// `file` and `column` identify the times in error messages.
 ///
 /// # Errors
 /// If there are fewer than two times, a time is not finite or not later than the one before it, or a step deviates from
 /// the mean step by more than [`STEP_TOLERANCE`].
 ///
 /// ```
-/// let rate = thetahat::recording::sample_rate_from_time(&[0.0, 0.5, 1.0], "q.csv".as_ref(), "t").unwrap();
+/// let rate = thetahat_data::recording::sample_rate_from_time(&[0.0, 0.5, 1.0], "q.csv".as_ref(), "t").unwrap();
 /// assert_eq!(rate, 2.0);
 /// ```
 pub fn sample_rate_from_time(time: &[f64], file: &Path, column: &str) -> Result<f64, RecordingError> {
@@ -37,10 +37,10 @@ pub fn sample_rate_from_time(time: &[f64], file: &Path, column: &str) -> Result<
 
 /// Checks that two signals have the same number of samples.
 ///
-/// `what` and `file` of each say in an error which signals they are.
+/// `what` and `file` identify the signals in error messages.
 ///
 /// # Errors
-/// [`RecordingError::DifferentLengths`] if they have not.
+/// [`RecordingError::DifferentLengths`] otherwise.
 pub fn same_length(
     a: &Series,
     what_a: &str,
@@ -73,7 +73,7 @@ pub fn one_channel(series: &Series, what: &str, file: &Path) -> Result<(), Recor
     }
 }
 
-/// Checks that a signal is not zero throughout, as one that was not recorded is.
+/// Checks that a signal is not zero throughout, like a signal that was not recorded.
 ///
 /// # Errors
 /// [`RecordingError::AllZero`] if it is.

@@ -1,4 +1,4 @@
-//! The time steps of a record, and equal ones where it has none.
+//! The time steps of a recording, and equal steps if it has none.
 
 use std::{ops::Range, path::Path};
 
@@ -11,12 +11,12 @@ use super::{
 };
 use thetahat_ground::series::Series;
 
-/// Part of the steps that may deviate by more than the largest jitter: of more, none is the usual one.
+/// Fraction of the steps that may deviate by more than the largest jitter: if more do, there is no usual step.
 const MOST_IRREGULAR: f64 = 0.3;
-/// How many times as long as its samples a record may be with its gaps: longer gaps are two records.
+/// Largest ratio of a recording's duration with gaps to that of its samples: longer gaps separate two recordings.
 const LONGEST: usize = 20;
 
-/// The sampling instants of a record.
+/// The sampling instants of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clock {
     sample_rate_hz: f64,
@@ -26,20 +26,20 @@ pub struct Clock {
     samples: usize,
 }
 
-/// How far the recorded time steps deviate from the usual one, in steps, where a record is brought to equal steps.
+/// How far the recorded time steps deviate from the usual one, in steps, if a recording is resampled to equal steps.
 ///
-/// The value at each new instant comes from the cubic through the four nearest stamps, two on each side. A longer step is
-/// a gap, and no part of the deviations.
+/// The value at each new instant comes from the cubic through the four nearest stamps, two on each side. A longer step is a gap and does
+/// not count as a deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Resampling {
     /// Largest deviation of a step.
     pub largest_deviation: f64,
     /// Rms deviation.
     pub rms_deviation: f64,
-    /// Gaps between samples.
+    /// Number of gaps between samples.
     #[serde(default)]
     pub gaps: usize,
-    /// Samples that are missing in them.
+    /// Number of samples missing in the gaps.
     #[serde(default)]
     pub missing: usize,
 }
@@ -54,11 +54,11 @@ impl Clock {
     /// The clock of recorded times in s. Steps that deviate from the usual one by more than [`STEP_TOLERANCE`] of it are
     /// made equal by [`Clock::to_equal_steps`]; a step that is longer by more than `largest_jitter` of it is a gap.
     ///
-    /// `file` and `column` say in an error where the times come from.
+    /// `file` and `column` identify the times in error messages.
     ///
     /// # Errors
     /// If there are fewer than two times, a time is not finite or not later than the one before it, no step is the usual
-    /// one, or the gaps are far longer than the record.
+    /// one, or the gaps are far longer than the recording.
     pub fn from_stamps(
         stamps: Vec<f64>,
         largest_jitter: f64,
@@ -113,26 +113,25 @@ impl Clock {
         self.sample_rate_hz
     }
 
-    /// The recorded times, where there are any.
+    /// The recorded times, if there are any.
     #[must_use]
     pub fn stamps(&self) -> Option<&[f64]> {
         self.stamps.as_deref()
     }
 
-    /// The deviation of the steps, where they are to be made equal.
+    /// The deviation of the steps, if they are to be made equal.
     #[must_use]
     pub fn resampling(&self) -> Option<Resampling> {
         self.resampling
     }
 
-    /// The samples at equal steps that no stamp is near: they lie in gaps.
+    /// The samples at equal steps without a stamp nearby: they lie in gaps.
     #[must_use]
     pub fn gaps(&self) -> &[Range<usize>] {
         &self.gaps
     }
 
-    /// The series at equal steps from the first stamp to the last; itself where its steps are equal. Across a gap it goes
-    /// on as a cubic.
+    /// The series at equal steps from the first stamp to the last; unchanged if its steps are equal. A gap is filled by a cubic.
     ///
     /// # Panics
     /// If the series has not one sample for each stamp.
@@ -148,13 +147,13 @@ impl Clock {
         assert_eq!(series.len(), stamps.len(), "one sample for each stamp");
         let (first, last) = (stamps[0], stamps[stamps.len() - 1]);
         let mut even = Series::zeros(self.samples, series.channels());
-        let mut behind = 0;
+        let mut left = 0;
         for k in 0..self.samples {
             let t = first + (last - first) * k as f64 / (self.samples - 1) as f64;
-            while behind + 2 < stamps.len() && stamps[behind + 1] <= t {
-                behind += 1;
+            while left + 2 < stamps.len() && stamps[left + 1] <= t {
+                left += 1;
             }
-            let nodes = self.nodes(behind, stamps);
+            let nodes = self.nodes(left, stamps);
             let times: Vec<f64> = nodes.iter().map(|&n| stamps[n]).collect();
             for (&node, weight) in nodes.iter().zip(lagrange_weights(&times, t)) {
                 even.sample_mut(k).iter_mut().zip(series.sample(node)).for_each(|(e, v)| *e += weight * v);
@@ -163,19 +162,19 @@ impl Clock {
         even
     }
 
-    /// The stamps through which the cubic behind a stamp goes: the nearest four, or across a gap its two ends and one
-    /// stamp half a gap before and behind, so that noise does not grow with the gap.
-    fn nodes(&self, behind: usize, stamps: &[f64]) -> Vec<usize> {
-        let (before, after) = (stamps[behind], stamps[(behind + 1).min(stamps.len() - 1)]);
+    /// The stamps of the cubic after a stamp: the nearest four, or across a gap its two ends and one stamp half a gap before and one half a
+    /// gap after, so that noise does not grow with the gap.
+    fn nodes(&self, stamp: usize, stamps: &[f64]) -> Vec<usize> {
+        let (before, after) = (stamps[stamp], stamps[(stamp + 1).min(stamps.len() - 1)]);
         let half = 0.5 * (after - before);
         if half * self.sample_rate_hz < 1.0 {
-            let start = behind.saturating_sub(1).min(stamps.len().saturating_sub(4));
+            let start = stamp.saturating_sub(1).min(stamps.len().saturating_sub(4));
             return (start..stamps.len().min(start + 4)).collect();
         }
-        let outer = stamps.partition_point(|&t| t <= before - half).checked_sub(1).filter(|&n| n < behind);
+        let outer = stamps.partition_point(|&t| t <= before - half).checked_sub(1).filter(|&n| n < stamp);
         let beyond = stamps.partition_point(|&t| t < after + half);
-        let inner = [behind, behind + 1].into_iter();
-        outer.into_iter().chain(inner).chain((beyond < stamps.len() && beyond > behind + 1).then_some(beyond)).collect()
+        let inner = [stamp, stamp + 1].into_iter();
+        outer.into_iter().chain(inner).chain((beyond < stamps.len() && beyond > stamp + 1).then_some(beyond)).collect()
     }
 }
 
@@ -210,16 +209,16 @@ mod tests {
     fn equal_steps_are_left_alone() {
         let clock = clock((0..100).map(|k| 1e-3 * f64::from(k)).collect()).unwrap();
         assert!((clock.sample_rate_hz() - 1000.0).abs() < 1e-9 && clock.resampling().is_none());
-        let series = Series::from_values(1, (0..100).map(f64::from).collect());
+        let series = Series::shaped(1, (0..100).map(f64::from).collect());
         assert_eq!(clock.to_equal_steps(series.clone()), series);
     }
 
-    /// A cubic is its own interpolation.
+    /// The interpolation reproduces a cubic.
     #[test]
     fn a_cubic_is_met_exactly() {
         let stamps = jittered(200);
         let cubic = |t: f64| 1.0 + (t - 5.0) * (2.0 - 30.0 * (t - 5.0) * (1.0 - 4.0 * (t - 5.0)));
-        let series = Series::from_values(1, stamps.iter().map(|&t| cubic(t)).collect());
+        let series = Series::shaped(1, stamps.iter().map(|&t| cubic(t)).collect());
         let (first, last) = (stamps[0], stamps[199]);
         let even = clock(stamps).unwrap().to_equal_steps(series);
         for k in 0..200 {
@@ -228,27 +227,27 @@ mod tests {
         }
     }
 
-    /// Of a sine with 100 samples a period the cubic leaves an error of 3/128 h^4 omega^4, 4e-7 of its amplitude with equal
+    /// For a sine with 100 samples a period the cubic leaves an error of 3/128 h^4 omega^4, 4e-7 of its amplitude with equal
     /// steps.
     #[test]
     fn a_motion_is_recovered() {
         let stamps = jittered(2000);
         let motion = |t: f64| (2.0 * std::f64::consts::PI * 10.0 * t).sin();
-        let series = Series::from_values(1, stamps.iter().map(|&t| motion(t)).collect());
+        let series = Series::shaped(1, stamps.iter().map(|&t| motion(t)).collect());
         let (first, last) = (stamps[0], stamps[1999]);
         let even = clock(stamps).unwrap().to_equal_steps(series);
         let error = |k: usize| even.sample(k)[0] - motion(first + (last - first) * k as f64 / 1999.0);
         assert!((2..1997).all(|k| error(k).abs() < 2e-6));
     }
 
-    /// The rate is that of the usual step, and the samples are where they were.
+    /// The rate is that of the usual step, and the samples keep their positions.
     #[test]
     fn lost_samples_are_a_gap_and_the_others_keep_their_places() {
         for lost in [1, 3, 40, 700] {
             let kept = |k: &usize| *k < 500 || *k >= 500 + lost;
             let stamps: Vec<f64> = (0..2000).filter(kept).map(|k| 3.0 + 1e-3 * k as f64).collect();
             let motion = |t: f64| (2.0 * std::f64::consts::PI * 0.7 * t).sin();
-            let series = Series::from_values(1, stamps.iter().map(|&t| motion(t)).collect());
+            let series = Series::shaped(1, stamps.iter().map(|&t| motion(t)).collect());
             let clock = clock(stamps).unwrap();
             assert!((clock.sample_rate_hz() - 1000.0).abs() < 1e-6, "{lost}");
             assert_eq!((clock.gaps().len(), clock.gaps()[0].clone()), (1, 500..500 + lost), "{lost}");
@@ -260,9 +259,9 @@ mod tests {
         }
     }
 
-    /// Gaps and jitter together, gaps that are no whole number of steps.
+    /// Gaps and jitter together, with gaps that are not a whole number of steps.
     #[test]
-    fn gaps_in_a_record_with_jitter() {
+    fn gaps_in_a_recording_with_jitter() {
         let late = |k: usize| if k >= 300 { 0.4e-3 } else { 0.0 };
         let stamps: Vec<f64> = jittered(1000)
             .iter()
@@ -270,7 +269,7 @@ mod tests {
             .filter(|(k, _)| !(300..305).contains(k))
             .map(|(k, t)| t + late(k))
             .collect();
-        let series = Series::from_values(1, stamps.clone());
+        let series = Series::shaped(1, stamps.clone());
         let clock = clock(stamps).unwrap();
         let resampling = clock.resampling().unwrap();
         assert!(resampling.gaps == 1 && (5..=6).contains(&resampling.missing), "{resampling:?}");
@@ -285,7 +284,7 @@ mod tests {
     fn noise_is_not_raised_in_a_gap() {
         let stamps: Vec<f64> = (0..1000).filter(|k| !(400..500).contains(k)).map(|k| 1e-3 * f64::from(k)).collect();
         let values = stamps.iter().enumerate().map(|(k, _)| (7.3 * k as f64).sin()).collect();
-        let even = clock(stamps).unwrap().to_equal_steps(Series::from_values(1, values));
+        let even = clock(stamps).unwrap().to_equal_steps(Series::shaped(1, values));
         assert!(even.values().iter().all(|v| v.abs() < 2.0));
     }
 
@@ -302,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gap_far_longer_than_the_record_is_refused() {
+    fn a_gap_far_longer_than_the_recording_is_refused() {
         let stamps: Vec<f64> = (0..100).map(|k| 1e-3 * f64::from(k) + if k < 50 { 0.0 } else { 1e6 }).collect();
         assert!(matches!(clock(stamps), Err(RecordingError::GapTooLong { sample: 50, .. })));
     }
@@ -310,7 +309,7 @@ mod tests {
     #[test]
     fn few_samples_are_interpolated_with_what_there_is() {
         let clock = clock(vec![0.0, 1.0, 2.3]).unwrap();
-        let even = clock.to_equal_steps(Series::from_values(1, vec![0.0, 2.0, 4.6]));
+        let even = clock.to_equal_steps(Series::shaped(1, vec![0.0, 2.0, 4.6]));
         assert!((even.sample(1)[0] - 2.3).abs() < 1e-12);
     }
 

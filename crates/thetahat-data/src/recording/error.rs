@@ -9,9 +9,9 @@ use super::bag::BagError;
 use super::format::Format;
 use super::unit::{Dimension, Unit};
 
-/// Why a recording is not accepted: where the defect is, what was expected, what was found.
+/// Why a recording is rejected: where the defect is, what was expected, what was found.
 ///
-/// Lines are counted from 1, as editors do, samples from 0.
+/// Lines are counted from 1, as in editors, samples from 0.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RecordingError {
@@ -22,16 +22,16 @@ pub enum RecordingError {
         file: PathBuf,
     },
 
-    /// The file is there and cannot be read.
+    /// The file exists and cannot be read.
     #[error("{file}: the file cannot be read ({source}); check its permissions")]
     Unreadable {
         /// The file.
         file: PathBuf,
-        /// What the operating system says.
+        /// The error of the operating system.
         source: io::Error,
     },
 
-    /// The extension names no format that is read.
+    /// The extension belongs to no known format.
     #[error(
         "{file}: expected a file name that ends in .csv or .mat, or in .tsv, .txt, .dat, .npy, .npz, .parquet, .db3 or \
          .mcap, found {found:?}; export the recording to CSV"
@@ -43,14 +43,14 @@ pub enum RecordingError {
         found: String,
     },
 
-    /// The file holds nothing.
+    /// The file has no content.
     #[error("{file}: the file is empty; record or export it again")]
     EmptyFile {
         /// The file.
         file: PathBuf,
     },
 
-    /// The columns are there and hold no value.
+    /// The columns exist and have no values.
     #[error("{file}: expected at least one sample below the column names, found none; record or export it again")]
     NoSamples {
         /// The file.
@@ -91,7 +91,7 @@ pub enum RecordingError {
         format: Format,
     },
 
-    /// The file is not of its format, was cut short, or damaged.
+    /// The file does not follow its format, was truncated, or is damaged.
     #[error("{file}: the file is cut short or damaged: {reason}; copy or save it again")]
     Damaged {
         /// The file.
@@ -100,7 +100,7 @@ pub enum RecordingError {
         reason: String,
     },
 
-    /// A part of the file asks for more memory than a file of its size may.
+    /// A part of the file requests more memory than a file of its size may.
     #[error(
         "{file}: {what}: expected no more than {limit} values in a file of this size, found more; \
          save only the signals that are needed, or save without compression"
@@ -110,11 +110,11 @@ pub enum RecordingError {
         file: PathBuf,
         /// The part.
         what: String,
-        /// How many values a file of this size may hold.
+        /// Largest number of values for a file of this size.
         limit: usize,
     },
 
-    /// The joint states of a bag are not accepted.
+    /// The joint states of a bag are rejected.
     #[error("{file}: {problem}")]
     Bag {
         /// The file.
@@ -123,7 +123,7 @@ pub enum RecordingError {
         problem: Box<BagError>,
     },
 
-    /// The delimiter given for a CSV file cannot be one.
+    /// The delimiter set for a CSV file is invalid.
     #[error(
         "{file}: expected a delimiter such as \",\", \";\", \"|\", a tab or a space, found {found:?}; correct `delimiter`"
     )]
@@ -134,7 +134,7 @@ pub enum RecordingError {
         found: char,
     },
 
-    /// Two delimiters make a table of a CSV file.
+    /// With either of two delimiters a CSV file is a table.
     #[error(
         "{file}: line {line}: cells may be separated by {:?} or by {:?}; say which by `delimiter`", .found[0], .found[1]
     )]
@@ -147,7 +147,7 @@ pub enum RecordingError {
         found: [char; 2],
     },
 
-    /// The first line of a CSV file may be names or values.
+    /// The first line of a CSV file may contain names or values.
     #[error(
         "{file}: line {line}: some columns of numbers begin with a number and some with text, so it may be a line of names \
          or of values; say which by `header = true` or `header = false`"
@@ -164,24 +164,24 @@ pub enum RecordingError {
     MissingColumn {
         /// The file.
         file: PathBuf,
-        /// The name asked for.
+        /// The requested name.
         column: String,
-        /// The names that are there.
+        /// The existing names.
         found: Vec<String>,
     },
 
-    /// The file has several columns of the name asked for.
+    /// The file has several columns of the requested name.
     #[error("{file}: column {column:?} occurs {found} times (in a CSV file, in line 1); give each column its own name")]
     AmbiguousColumn {
         /// The file.
         file: PathBuf,
-        /// The name asked for.
+        /// The requested name.
         column: String,
         /// How many columns have it.
         found: usize,
     },
 
-    /// The same name was asked for twice.
+    /// The same name was requested twice.
     #[error("{file}: column {column:?} is listed twice; list the column of each joint once")]
     RepeatedColumn {
         /// The file.
@@ -224,7 +224,7 @@ pub enum RecordingError {
         found: String,
     },
 
-    /// The last line of a text is cut.
+    /// The last line of a text is incomplete.
     #[error(
         "{file}: line {line}, the last one, is cut: it has {found} of {expected} columns and no end; leave it out with \
          drop_cut_line = true"
@@ -234,13 +234,13 @@ pub enum RecordingError {
         file: PathBuf,
         /// The line, counted from 1.
         line: u64,
-        /// The columns of the lines before it.
+        /// Number of columns of the lines before it.
         expected: usize,
-        /// The columns in it.
+        /// Number of columns in it.
         found: usize,
     },
 
-    /// A line of a text has more values than a record has columns.
+    /// A line of a text has more values than the allowed number of columns.
     #[error(
         "{file}: line {line} has {found} values, and at most {limit} are read as columns; write one sample a line, or one \
          value a line with interleaved = CHANNELS"
@@ -250,28 +250,28 @@ pub enum RecordingError {
         file: PathBuf,
         /// The line, counted from 1.
         line: u64,
-        /// Its values.
+        /// Number of its values.
         found: usize,
         /// Most columns.
         limit: usize,
     },
 
-    /// Values that follow one another are no whole number of samples.
+    /// The number of interleaved values is not a multiple of the number of channels.
     #[error(
         "{file}: {values} values in {columns} columns are no samples of {channels} interleaved channels; interleaved takes one column of values"
     )]
     NotInterleaved {
         /// The file.
         file: PathBuf,
-        /// The values.
+        /// Number of values.
         values: usize,
-        /// The columns that hold them.
+        /// Number of columns that contain them.
         columns: usize,
-        /// The channels asked for.
+        /// The requested number of channels.
         channels: usize,
     },
 
-    /// Rows that hold one channel each are no samples.
+    /// Rows of one channel each cannot be arranged into samples.
     #[error("{file}: {problem} (`channel_column`)")]
     NotLong {
         /// The file.
@@ -280,10 +280,10 @@ pub enum RecordingError {
         problem: String,
     },
 
-    /// A cell of a CSV file is NaN, infinite or beyond all recorded values.
+    /// A cell of a CSV file is NaN, infinite or implausibly large.
     #[error(
         "{file}: line {line}, column {column:?}: expected a finite number below 1e30, found {found:e}; \
-         cut the record to the part without gaps, or fill the gap"
+         cut the recording to the part without gaps, or fill the gap"
     )]
     NotFinite {
         /// The file.
@@ -299,7 +299,7 @@ pub enum RecordingError {
     /// A sample of a variable or of a time axis is NaN or infinite.
     #[error(
         "{file}: {column:?}, sample {sample} counted from 0: expected a finite number below 1e30, found {found:e}; \
-         cut the record to the part without gaps, or fill the gap"
+         cut the recording to the part without gaps, or fill the gap"
     )]
     NotFiniteSample {
         /// The file.
@@ -321,7 +321,7 @@ pub enum RecordingError {
         file: PathBuf,
     },
 
-    /// No column was asked for by name, and the file has several variables or topics.
+    /// No column was requested by name, and the file has several variables or topics.
     #[error("{file}: no column is listed; the columns and variables are {}; list those to read", quoted(.found))]
     NoColumnListed {
         /// The file.
@@ -330,20 +330,20 @@ pub enum RecordingError {
         found: Vec<String>,
     },
 
-    /// A variable has fewer columns than the one asked for.
+    /// A variable has fewer columns than the requested index.
     #[error(
         "{file}: {column:?}: expected a column from 1 to {found}, which is what the variable has; correct the number"
     )]
     MissingChannel {
         /// The file.
         file: PathBuf,
-        /// The name asked for, with the number of the column.
+        /// The requested name, with the number of the column.
         column: String,
         /// The number of columns of the variable.
         found: usize,
     },
 
-    /// A column or variable is not one of real numbers.
+    /// A column or variable does not contain real numbers.
     #[error("{file}: {column:?}: expected a vector or matrix of real numbers, found {found}; save it as such")]
     NotNumeric {
         /// The file.
@@ -354,7 +354,7 @@ pub enum RecordingError {
         found: String,
     },
 
-    /// The unit does not measure what the signal is.
+    /// The unit does not match the quantity of the signal.
     #[error("{file}: the {signal} is {}, but its unit {:?} measures {}; {}correct the unit, the side (motor or joint) or the columns",
         alternatives(.expected), .found.symbol(), .found.dimension(), with_a_gain(.expected, *.found))]
     WrongDimension {
@@ -368,7 +368,7 @@ pub enum RecordingError {
         found: Unit,
     },
 
-    /// There are neither one unit nor as many as channels.
+    /// The number of units is neither one nor the number of channels.
     #[error("{file}: unit lists {found} units for {expected} channels; give one for all, or one for each channel")]
     UnitCount {
         /// The file.
@@ -379,7 +379,7 @@ pub enum RecordingError {
         found: usize,
     },
 
-    /// One unit for joints that turn and joints that slide.
+    /// One unit is given for both revolute and prismatic joints.
     #[error(
         "{file}: unit \"{unit}\" of {signal} is for all joints, but joint `{joint}` has {dimension}; give a list with one unit \
          for each joint, such as unit = [\"m\", \"rad\"]"
@@ -397,7 +397,7 @@ pub enum RecordingError {
         dimension: Dimension,
     },
 
-    /// The number of gains is not the number of channels.
+    /// The number of gains differs from the number of channels.
     #[error(
         "{file}: expected one gain for each of its {expected} channels, found {found}; list one number per channel"
     )]
@@ -410,7 +410,7 @@ pub enum RecordingError {
         found: usize,
     },
 
-    /// The list of gains is empty, as a proposal writes it for the user to fill in.
+    /// The list of gains is empty: a proposal leaves it for the user to fill in.
     #[error(
         "{file}: gain = [] of the columns {} is to be filled in, a number for each channel, {channels} in all: {what}",
         columns.join(" ")
@@ -422,7 +422,7 @@ pub enum RecordingError {
         columns: Vec<String>,
         /// Number of channels.
         channels: usize,
-        /// What a gain is: torque per ampere, for one.
+        /// The meaning of a gain, for example torque per ampere.
         what: String,
     },
 
@@ -508,7 +508,7 @@ pub enum RecordingError {
         found: f64,
     },
 
-    /// No time step is the usual one.
+    /// The time steps have no usual value.
     #[error(
         "{file}: {column:?}: {irregular} of {steps} time steps deviate by more than {largest} of the usual one, {expected:.6} s \
          (`largest_jitter`), most at sample {sample} counted from 0, {found:.6} s: the samples have no common clock; state \
@@ -521,9 +521,9 @@ pub enum RecordingError {
         column: String,
         /// The sample at the end of the step that deviates most, counted from 0.
         sample: usize,
-        /// Steps that deviate by more than is allowed.
+        /// Number of steps that deviate by more than allowed.
         irregular: usize,
-        /// All steps.
+        /// Number of all steps.
         steps: usize,
         /// The usual step, in seconds.
         expected: f64,
@@ -533,17 +533,17 @@ pub enum RecordingError {
         largest: f64,
     },
 
-    /// A gap is far longer than the record.
+    /// A gap is far longer than the recording.
     #[error(
         "{file}: {column:?}, sample {sample} counted from 0: {found:.3} s after the one before it, far longer than the rest of \
-         the record: make two recordings of it"
+         the recording: make two recordings of it"
     )]
     GapTooLong {
         /// The file.
         file: PathBuf,
         /// The name of the time column.
         column: String,
-        /// The sample behind the gap, counted from 0.
+        /// The sample after the gap, counted from 0.
         sample: usize,
         /// The length of the gap, in seconds.
         found: f64,
@@ -552,7 +552,7 @@ pub enum RecordingError {
     /// The samples are not equally spaced in time.
     #[error(
         "{file}: {column:?}, sample {sample} counted from 0: expected a step of {expected} s as on average, \
-         found {found} s; resample the record to equal steps before"
+         found {found} s; resample the recording to equal steps before"
     )]
     TimeNotUniform {
         /// The file.
@@ -581,7 +581,7 @@ fn quoted(names: &[String]) -> String {
     names.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ")
 }
 
-/// The remedy for torques in the unit of a drive.
+/// The remedy for torques in a drive's unit.
 fn with_a_gain(expected: &[Dimension], found: Unit) -> &'static str {
     let of_drive = matches!(found.dimension(), Dimension::Current | Dimension::Voltage | Dimension::Dimensionless);
     let is_effort = expected.iter().all(|dimension| matches!(dimension, Dimension::Torque | Dimension::Force));

@@ -1,4 +1,4 @@
-//! The formats of recordings, told apart by the extension.
+//! The formats of recordings, recognised by the extension.
 
 use std::fmt;
 
@@ -25,7 +25,7 @@ pub enum Format {
     Mcap,
 }
 
-/// In what a file holds its channels.
+/// The structure in which a file contains its channels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Holds {
     /// Lines of text, in a dialect.
@@ -37,7 +37,7 @@ pub(super) enum Holds {
 }
 
 impl Format {
-    /// The format that an extension in lower case names; none if it names none.
+    /// The format of a lower-case extension; none if there is none.
     pub(super) fn of_extension(extension: &str) -> Option<Self> {
         match extension {
             "csv" | "tsv" | "txt" | "dat" => Some(Self::Csv),
@@ -51,7 +51,7 @@ impl Format {
         }
     }
 
-    /// In what the file holds its channels.
+    /// The structure in which the file contains its channels.
     pub(super) fn holds(self) -> Holds {
         match self {
             Self::Csv => Holds::Lines,

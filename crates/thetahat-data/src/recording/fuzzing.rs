@@ -1,17 +1,17 @@
-//! Every reader on bytes, for fuzz tests: each reads all that the bytes hold and drops it.
+//! Every reader applied to bytes, for fuzz tests: each reads everything in the bytes and discards it.
 //!
-//! The readers of HDF5, Parquet and MCAP catch panics of their libraries. A fuzzer that ends at a panic before it is
-//! caught has to leave the hook of panics as it is.
+//! The readers of HDF5, Parquet and MCAP catch panics of their libraries. A fuzzer that stops at a panic before it is caught must not
+//! replace the panic hook.
 
 use std::path::Path;
 
 use super::csv::{self, Dialect};
-use super::table::RequestedColumn;
+use super::table::RequestedColumns;
 use super::{mat, npy};
 
 /// Text in columns, with everything detected.
 pub fn csv(bytes: &[u8]) {
-    let _ = csv::read(bytes, Path::new("fuzz.csv"), &Dialect::default(), RequestedColumn::All);
+    let _ = csv::read(bytes, Path::new("fuzz.csv"), &Dialect::default(), RequestedColumns::All);
 }
 
 /// A NumPy array.
@@ -22,24 +22,24 @@ pub fn npy(bytes: &[u8]) {
 /// A NumPy archive.
 #[cfg(feature = "npz")]
 pub fn npz(bytes: &[u8]) {
-    let _ = super::npz::read(bytes, Path::new("fuzz.npz"), RequestedColumn::All);
+    let _ = super::npz::read(bytes, Path::new("fuzz.npz"), RequestedColumns::All);
 }
 
 /// A MAT file: of version 7.3 if the bytes begin as one does.
 pub fn mat(bytes: &[u8]) {
-    let _ = mat::read(bytes.to_vec(), Path::new("fuzz.mat"), RequestedColumn::All);
+    let _ = mat::read(bytes.to_vec(), Path::new("fuzz.mat"), RequestedColumns::All);
 }
 
 /// A MAT file of version 7.3, whatever the bytes begin with.
 #[cfg(feature = "hdf5")]
 pub fn mat73(bytes: &[u8]) {
-    let _ = mat::read_v73(bytes.to_vec(), Path::new("fuzz.mat"), RequestedColumn::All);
+    let _ = mat::read_v73(bytes.to_vec(), Path::new("fuzz.mat"), RequestedColumns::All);
 }
 
 /// A Parquet file, whole and a piece of it.
 #[cfg(feature = "parquet")]
 pub fn parquet(bytes: &[u8]) {
-    let _ = super::parquet::read(bytes.to_vec(), Path::new("fuzz.parquet"), RequestedColumn::All);
+    let _ = super::parquet::read(bytes.to_vec(), Path::new("fuzz.parquet"), RequestedColumns::All);
     super::parquet::fuzz_pieces(bytes);
 }
 

@@ -1,4 +1,4 @@
-//! How the channels of a signal lie in its columns.
+//! How the channels of a signal are arranged in its columns.
 
 use std::path::Path;
 
@@ -8,36 +8,36 @@ use thetahat_ground::series::Series;
 /// Most channels of a long table.
 const MOST_CHANNELS: usize = 100;
 
-/// How the channels of a signal lie in its columns.
+/// How the channels of a signal are arranged in its columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Layout {
     /// A channel in each column.
     Columns,
     /// A channel in each row of a matrix.
     Rows,
-    /// The channels of a sample one behind the other in one column.
+    /// The channels of a sample one after the other in one column.
     Interleaved {
-        /// Their number.
+        /// Number of channels.
         channels: usize,
     },
     /// A channel in each row of two columns: its value, and its number.
     Long,
 }
 
-/// The channels of columns that lie so.
+/// Arranges the channels of columns.
 pub(super) fn laid_out(layout: Layout, columns: Series, path: &Path) -> Result<Series, RecordingError> {
     match layout {
         Layout::Columns => Ok(columns),
         Layout::Rows => {
             let rows: Vec<Vec<f64>> = (0..columns.len()).map(|k| columns.sample(k).to_vec()).collect();
-            Ok(Series::from_channels(&rows))
+            Ok(Series::side_by_side(&rows))
         }
         Layout::Interleaved { channels } => {
             let (values, found) = (columns.len(), columns.channels());
             if channels == 0 || found != 1 || !values.is_multiple_of(channels) {
                 return Err(RecordingError::NotInterleaved { file: path.to_owned(), values, columns: found, channels });
             }
-            Ok(Series::from_values(channels, columns.values().to_vec()))
+            Ok(Series::shaped(channels, columns.values().to_vec()))
         }
         Layout::Long => of_long_table(&columns, path),
     }
@@ -63,7 +63,7 @@ fn of_long_table(columns: &Series, path: &Path) -> Result<Series, RecordingError
     };
     let channels: Vec<Vec<f64>> = distinct.iter().map(of).collect();
     match channels.iter().position(|c| c.len() != channels[0].len()) {
-        None => Ok(Series::from_channels(&channels)),
+        None => Ok(Series::side_by_side(&channels)),
         Some(other) => {
             let (first, rows) = (distinct[0], channels[0].len());
             Err(refuse(format!(

@@ -1,30 +1,30 @@
-//! Recordings: numeric columns read from files, in SI units, checked before anything is computed from them.
+//! Recordings: numeric columns read from files, converted to SI units and checked before use.
 //!
-//! A [`ChannelSource`] says where the channels of one signal are (file, columns) and what they are (unit, side of the
-//! transmission, gain); [`read_channels`] gives them as a [`Series`](thetahat_ground::series::Series), and refuses what is unclear or
-//! not a finite number. [`inspect`] lists the content of a file, whatever is wrong with it. The [`Format`] follows from the
-//! extension: text in columns, NumPy, MATLAB, Parquet and ROS 2 bags; `docs/reference/recordings.md` describes each. Values from the
-//! motor side stay on the motor side: the robot's transmission converts them.
+//! A [`ChannelSource`] describes where the channels of one signal are (file, columns) and what they are (unit, side of the transmission,
+//! gain); [`read_channels`] reads them as a [`Series`](thetahat_ground::series::Series), and rejects ambiguous columns and values that are
+//! not finite. [`inspect`] lists the content of a file, even of a flawed one. The [`Format`] follows from the extension: text in columns,
+//! NumPy, MATLAB, Parquet and ROS 2 bags; `docs/reference/recordings.md` describes each. Values from the motor side stay on the motor side:
+//! the robot's transmission converts them.
 //!
 //! | file | what it does |
 //! | --- | --- |
 //! | `source` | the description of a signal and its reading |
-//! | `place`, `budget`, `panic_guard` | where a file may lie, how much memory it may ask for, panics of libraries |
+//! | `place`, `budget`, `panic_guard` | where a file may be, how much memory it may request, panics of libraries |
 //! | `format`, `reader` | the formats, and the reader of each |
 //! | `csv`, `npy` with `npy_header`, `npz`, `mat`, `parquet`, `bag` | the readers |
-//! | `pieces` | signals of files that are longer than memory, piece by piece |
-//! | `layout` | channels in rows, one behind the other, or one a row |
+//! | `pieces` | signals of files larger than memory, piece by piece |
+//! | `layout` | channels in rows, interleaved, or one in each row |
 //! | `table`, `select` | the columns that readers return, and the selection from them |
-//! | `inspect` | what a file holds: columns, their ranges and resolution, rate, jitter and gaps |
+//! | `inspect` | the content of a file: columns, their ranges and resolution, rate, jitter and gaps |
 //! | `unit` | units, their factors to SI, and the dimensions they measure |
 //! | `checks` | the sample rate from a time column; signals of the same length |
 //! | `stretches` | gaps between time steps |
-//! | `clock` | the sampling instants, and equal steps where they jitter |
+//! | `clock` | the sampling instants, and resampling to equal steps |
 //! | `error` | what can be wrong with a recording |
-//! | `fuzzing` | every reader on bytes, for fuzz tests |
+//! | `fuzzing` | every reader applied to bytes, for fuzz tests |
 //!
 //! ```
-//! use thetahat::recording::{ChannelSource, read_channels};
+//! use thetahat_data::recording::{read_channels, ChannelSource};
 //! let folder = std::env::temp_dir();
 //! let file = format!("thetahat-example-{}.csv", std::process::id());
 //! std::fs::write(folder.join(&file), "t,q\n0,0\n1,90\n")?;

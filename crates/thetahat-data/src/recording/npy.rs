@@ -10,7 +10,7 @@ use super::npy_header::{Header, LONGEST_HEADER, unquoted};
 use super::place::{open, unreadable};
 use super::table::{Column, Table};
 
-/// The array of a file, named like it.
+/// The array of a file, named after the file.
 pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Table, RecordingError> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let mut budget = Budget::of(path, bytes.len() as u64);
@@ -39,7 +39,7 @@ pub(super) fn column(name: String, bytes: &[u8], path: &Path, budget: &mut Budge
     Ok(Column::of_numbers(name, channels, values))
 }
 
-/// An array of which any samples can be read: one that lies in a file as it is.
+/// An array of which any samples can be read: one that is stored uncompressed.
 pub(super) struct ArrayPieces {
     path: PathBuf,
     name: String,
@@ -47,13 +47,13 @@ pub(super) struct ArrayPieces {
     element: Element,
     samples: usize,
     channels: usize,
-    /// Where its values begin in the file.
+    /// Offset of the values in the file.
     start: u64,
 }
 
 impl ArrayPieces {
-    /// The array that begins at a byte of a file and takes `length` bytes; none where it is not one of numbers, or too
-    /// short for them: the reader of whole files says what is wrong.
+    /// The array that begins at a byte of a file and takes `length` bytes; none if it is not an array of numbers or is too short: the
+    /// reader of whole files then reports what is wrong.
     pub(super) fn open(path: &Path, name: String, place: u64, length: u64) -> Result<Option<Self>, RecordingError> {
         let mut beginning = Vec::new();
         let refuse = |e| unreadable(path, e);
@@ -107,7 +107,7 @@ impl ArrayPieces {
     }
 }
 
-/// A vector, whichever way it lies, is one channel; a matrix has one for each column.
+/// A row or column vector is one channel; a matrix has one for each column.
 fn samples_and_channels(shape: &[u64]) -> Option<(usize, usize)> {
     let side = |side: u64| usize::try_from(side).ok();
     match *shape {
@@ -141,7 +141,7 @@ enum Kind {
 }
 
 impl Element {
-    /// The type that a header names, such as `'<f8'`; none where it is not one of real numbers.
+    /// The type that a header names, such as `'<f8'`; none if it is not one of real numbers.
     fn parse(descr: &str) -> Option<Self> {
         let (order, name) = unquoted(descr)?.split_at_checked(1)?;
         let kind = match name {
@@ -172,7 +172,7 @@ impl Element {
         }
     }
 
-    /// The numbers that lie in these bytes.
+    /// The numbers in these bytes.
     fn values(self, bytes: &[u8]) -> Vec<f64> {
         match self.kind {
             Kind::Bool => self.decoded(bytes, |[byte]| f64::from(byte != 0)),
@@ -201,7 +201,7 @@ impl Element {
     }
 }
 
-/// Values stored sample by sample, put channel by channel.
+/// Reorders values from sample by sample to channel by channel.
 fn by_channel(values: &[f64], channels: usize) -> Vec<f64> {
     (0..channels).flat_map(|channel| values.iter().skip(channel).step_by(channels).copied()).collect()
 }

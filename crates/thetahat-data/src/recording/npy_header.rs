@@ -1,23 +1,22 @@
 //! The header of a NumPy array: a Python dictionary of its element type, its order and its shape.
 //!
-//! Format: NumPy Enhancement Proposal 1, versions 1.0 to 3.0. Nothing here calls itself, so that no header, however
-//! nested, exhausts the stack.
+//! Format: NumPy Enhancement Proposal 1, versions 1.0 to 3.0. Nothing here is recursive, so that no nesting in a header exhausts the stack.
 
 use std::ops::Range;
 
-/// Longest header that is read. Those of arrays of numbers have about 100 bytes.
+/// Longest header that is read. Headers of arrays of numbers have about 100 bytes.
 pub(super) const LONGEST_HEADER: usize = 1 << 14;
 
 const NOT_NUMBERS: &str = "its header does not describe an array of numbers";
 
-/// What the header says.
+/// The content of a header.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Header {
-    /// The element type as it is written, such as `'<f8'`.
+    /// The element type as written, such as `'<f8'`.
     pub(super) descr: String,
     pub(super) fortran_order: bool,
     pub(super) shape: Vec<u64>,
-    /// Where the values begin.
+    /// Offset of the values.
     pub(super) end: usize,
 }
 
@@ -25,7 +24,7 @@ impl Header {
     /// The header at the beginning of `bytes`.
     ///
     /// # Errors
-    /// What is wrong with it, to follow the array's name.
+    /// What is wrong with it, as a phrase that follows the array's name.
     pub(super) fn parse(bytes: &[u8]) -> Result<Self, &'static str> {
         let place = text_place(bytes)?;
         let text = bytes.get(place.clone()).ok_or("it ends within its header")?;
@@ -51,7 +50,7 @@ impl Header {
     }
 }
 
-/// Where the dictionary stands: behind the magic word, the version and its length.
+/// The range of the dictionary: after the magic word, the version and its length.
 fn text_place(bytes: &[u8]) -> Result<Range<usize>, &'static str> {
     if !bytes.starts_with(b"\x93NUMPY") {
         return Err("it does not begin as a NumPy array does");
@@ -68,7 +67,7 @@ fn text_place(bytes: &[u8]) -> Result<Range<usize>, &'static str> {
     Ok(place)
 }
 
-/// Where the first comma stands that is in no bracket and no text, or the end.
+/// The position of the first comma outside brackets and text, or the end.
 fn end_of_item(text: &str) -> usize {
     let (mut depth, mut quote) = (0_usize, None);
     for (place, byte) in text.bytes().enumerate() {
@@ -98,7 +97,7 @@ fn truth(text: &str) -> Option<bool> {
     }
 }
 
-/// The sides of an array, whose product fits into an `i64`.
+/// The side lengths of an array, whose product fits into an `i64`.
 fn sides(text: &str) -> Option<Vec<u64>> {
     let list = text.strip_prefix('(')?.strip_suffix(')')?.trim();
     let list = list.strip_suffix(',').unwrap_or(list);

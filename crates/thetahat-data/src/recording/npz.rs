@@ -10,10 +10,10 @@ use super::budget::Budget;
 use super::error::RecordingError;
 use super::npy::{self, ArrayPieces};
 use super::place::open;
-use super::table::{Column, RequestedColumn, Table};
+use super::table::{Column, RequestedColumns, Table};
 
-/// The arrays of an archive by their keys. Those not wanted are there by name, without values.
-pub(super) fn read(bytes: &[u8], path: &Path, wanted: RequestedColumn<'_>) -> Result<Table, RecordingError> {
+/// The arrays of an archive by their keys. Arrays that are not requested have a name and no values.
+pub(super) fn read(bytes: &[u8], path: &Path, wanted: RequestedColumns<'_>) -> Result<Table, RecordingError> {
     let damaged = |reason: String| RecordingError::damaged(path, reason);
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| damaged(e.to_string()))?;
     let mut budget = Budget::of(path, bytes.len() as u64);
@@ -43,10 +43,10 @@ fn array(
     npy::column(key.to_owned(), &bytes, path, budget)
 }
 
-/// The arrays of an archive that are wanted and lie in it as they are; none where one does not.
+/// The requested arrays of an archive, if all are stored uncompressed; none otherwise.
 pub(super) fn stored_arrays(
     path: &Path,
-    wanted: RequestedColumn<'_>,
+    wanted: RequestedColumns<'_>,
 ) -> Result<Option<Vec<ArrayPieces>>, RecordingError> {
     let Ok(mut archive) = ZipArchive::new(open(path)?) else { return Ok(None) };
     let mut arrays = Vec::new();
@@ -55,7 +55,7 @@ pub(super) fn stored_arrays(
         let name = String::from_utf8_lossy(entry.name_raw()).into_owned();
         let Some(key) = name.strip_suffix(".npy").filter(|key| wanted.includes(key)) else { continue };
         let start = entry.data_start().filter(|_| entry.compression() == CompressionMethod::Stored);
-        // To the end, where the checksum is compared; the reader of whole files says what is wrong.
+        // To the end, where the checksum is compared; the reader of whole files reports what is wrong.
         if start.is_some() && io::copy(&mut entry, &mut io::sink()).is_err() {
             return Ok(None);
         }
@@ -96,7 +96,7 @@ mod tests {
     }
 
     fn loaded(bytes: &[u8]) -> Result<Table, RecordingError> {
-        read(bytes, Path::new(FILE), RequestedColumn::All)
+        read(bytes, Path::new(FILE), RequestedColumns::All)
     }
 
     #[test]
@@ -113,7 +113,7 @@ mod tests {
     fn arrays_that_are_not_wanted_are_not_decompressed() {
         let bytes = archive(CompressionMethod::Stored, &[("q.npy", b"not an array")]);
         let asked = ["t".to_owned()];
-        assert_eq!(read(&bytes, Path::new(FILE), RequestedColumn::Named(&asked)).unwrap().columns[0].channels, 0);
+        assert_eq!(read(&bytes, Path::new(FILE), RequestedColumns::Named(&asked)).unwrap().columns[0].channels, 0);
     }
 
     /// The reader of pieces leaves a file with a wrong checksum to the reader of whole files, which names the array.
@@ -121,11 +121,11 @@ mod tests {
     fn a_wrong_checksum_is_found_by_both_readers() {
         let mut bytes = valid(CompressionMethod::Stored);
         let folder = thetahat_testing::Folder::with(FILE, &bytes);
-        assert_eq!(stored_arrays(&folder.path().join(FILE), RequestedColumn::All).unwrap().unwrap().len(), 2);
+        assert_eq!(stored_arrays(&folder.path().join(FILE), RequestedColumns::All).unwrap().unwrap().len(), 2);
         let place = bytes.windows(4).position(|w| w == [1, 2, 3, 4]).unwrap();
         bytes[place] = 9;
         let folder = thetahat_testing::Folder::with(FILE, &bytes);
-        assert!(stored_arrays(&folder.path().join(FILE), RequestedColumn::All).unwrap().is_none());
+        assert!(stored_arrays(&folder.path().join(FILE), RequestedColumns::All).unwrap().is_none());
         let error = loaded(&bytes).unwrap_err().to_string();
         assert!(error.contains("array \"q\"") && error.to_lowercase().contains("checksum"), "{error}");
     }

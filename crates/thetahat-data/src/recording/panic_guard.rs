@@ -8,8 +8,7 @@ use super::error::RecordingError;
 
 /// The result of `read`; a panic of the library inside becomes [`RecordingError::Damaged`].
 ///
-/// Sizes and counts are checked before, so this is the last guard. Only the error outlives the panic; no value stays
-/// half built.
+/// Sizes and counts are checked before, so this is the last guard. Only the error survives the panic; no partially built value remains.
 pub(super) fn panics_as_damage<T>(
     path: &Path,
     library: &str,
@@ -31,7 +30,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn panic_is_told_as_damage() {
+    fn panic_is_reported_as_damage() {
         let result = panics_as_damage::<()>(Path::new("q.mat"), "HDF5", || panic!("index out of bounds"));
         assert!(
             matches!(result, Err(RecordingError::Damaged { reason, .. }) if reason.contains("index out of bounds"))

@@ -12,12 +12,12 @@ use super::parquet::GroupPieces;
 use super::place::file_length;
 use super::select;
 use super::source::ChannelSource;
-use super::table::{Column, RequestedColumn, Table};
+use super::table::{Column, RequestedColumns, Table};
 use thetahat_ground::series::Series;
 
-/// Signals whose files can be read from any sample on: text, NumPy arrays that are not compressed, and Parquet.
+/// Signals whose files can be read from any sample on: text, uncompressed NumPy arrays, and Parquet.
 ///
-/// What is read is what [`read_channels`](super::read_channels) gives, piece by piece; several pieces may be read at a time.
+/// The pieces together equal the result of [`read_channels`](super::read_channels); several pieces may be read at a time.
 pub struct SignalPieces {
     files: Vec<FilePieces>,
     signals: Vec<Signal>,
@@ -27,7 +27,7 @@ struct Signal {
     source: ChannelSource,
     path: PathBuf,
     format: Format,
-    /// Its place in the list of files.
+    /// Its index in the list of files.
     file: usize,
     factors: Vec<f64>,
 }
@@ -40,10 +40,10 @@ enum FilePieces {
 }
 
 impl SignalPieces {
-    /// Looks through the files of some signals; none where one of them cannot be read in pieces.
+    /// Scans the files of some signals; none if one of them cannot be read in pieces.
     ///
     /// # Errors
-    /// [`RecordingError`] as [`read_channels`](super::read_channels), as far as the beginnings of the files show it.
+    /// [`RecordingError`] as [`read_channels`](super::read_channels), for errors at the beginnings of the files.
     pub fn open(sources: &[&ChannelSource], root: &Path) -> Result<Option<Self>, RecordingError> {
         let mut pieces = Self { files: Vec::new(), signals: Vec::new() };
         if !sources.iter().all(|source| source.can_be_read_in_pieces()) {
@@ -75,7 +75,7 @@ impl SignalPieces {
         Ok(Some(pieces))
     }
 
-    /// Number of samples of a signal, by its place in the list that was opened.
+    /// Number of samples of a signal, by its index in the list that was opened.
     #[must_use]
     pub fn samples(&self, signal: usize) -> usize {
         let signal = &self.signals[signal];
@@ -124,7 +124,7 @@ impl Signal {
     }
 }
 
-/// The columns that sources name; none where one of them takes all.
+/// The columns that sources name; none if one of them uses all columns.
 fn columns<'a>(sources: impl Iterator<Item = &'a ChannelSource>) -> Option<Vec<String>> {
     let mut names = Vec::new();
     for source in sources {
@@ -136,8 +136,8 @@ fn columns<'a>(sources: impl Iterator<Item = &'a ChannelSource>) -> Option<Vec<S
     Some(names)
 }
 
-fn wanted(columns: Option<&[String]>) -> RequestedColumn<'_> {
-    columns.map_or(RequestedColumn::All, RequestedColumn::Named)
+fn wanted(columns: Option<&[String]>) -> RequestedColumns<'_> {
+    columns.map_or(RequestedColumns::All, RequestedColumns::Named)
 }
 
 impl FilePieces {
@@ -164,8 +164,8 @@ impl FilePieces {
         }
     }
 
-    /// Samples of all that is wanted; none where they differ.
-    fn samples(&self, wanted: RequestedColumn<'_>) -> Option<usize> {
+    /// Number of samples of the requested columns; none if they differ.
+    fn samples(&self, wanted: RequestedColumns<'_>) -> Option<usize> {
         match self {
             Self::Text(text) => Some(text.rows()),
             #[cfg(feature = "parquet")]
@@ -178,7 +178,7 @@ impl FilePieces {
         }
     }
 
-    fn read(&self, range: Range<usize>, wanted: RequestedColumn<'_>) -> Result<Table, RecordingError> {
+    fn read(&self, range: Range<usize>, wanted: RequestedColumns<'_>) -> Result<Table, RecordingError> {
         match self {
             Self::Text(text) => text.read(range, wanted),
             #[cfg(feature = "parquet")]
@@ -196,13 +196,13 @@ impl FilePieces {
 }
 
 #[cfg(feature = "npz")]
-fn archive(path: &Path, wanted: RequestedColumn<'_>) -> Result<Option<FilePieces>, RecordingError> {
+fn archive(path: &Path, wanted: RequestedColumns<'_>) -> Result<Option<FilePieces>, RecordingError> {
     Ok(super::npz::stored_arrays(path, wanted)?.map(FilePieces::Arrays))
 }
 
-/// None: the reader of whole files says which feature reads it.
+/// None: the reader of whole files reports the required feature.
 #[cfg(not(feature = "npz"))]
-fn archive(_: &Path, _: RequestedColumn<'_>) -> Result<Option<FilePieces>, RecordingError> {
+fn archive(_: &Path, _: RequestedColumns<'_>) -> Result<Option<FilePieces>, RecordingError> {
     Ok(None)
 }
 
@@ -285,7 +285,7 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_found_where_it_is() {
-        // Longer than what is looked at first.
+        // Longer than the part that is examined first.
         let good = rows(5000, |k| format!("{k}.5,{:>300}\n", 1));
         let of = |bad: &str| {
             let folder = Folder::with("q.csv", format!("{good}{bad}\n{good}").as_bytes());

@@ -1,4 +1,4 @@
-//! Where a file may lie: inside the folder of the data, whatever the description of a recording says.
+//! Where a file may be: inside the folder of the data, whatever the description of a recording states.
 
 use std::io;
 use std::path::{Component, Path, PathBuf};
@@ -23,7 +23,7 @@ pub(super) fn inside(root: &Path, file: &Path) -> Result<PathBuf, RecordingError
     if real(&path)?.starts_with(real(folder)?) { Ok(path) } else { Err(outside()) }
 }
 
-/// Whether a path is relative and never above the place where it starts.
+/// Whether a path is relative and never leaves its starting folder.
 fn stays_below(file: &Path) -> bool {
     let depth = file.components().try_fold(0_usize, |depth, component| match component {
         Component::Normal(_) => Some(depth + 1),
@@ -34,19 +34,19 @@ fn stays_below(file: &Path) -> bool {
     depth.is_some()
 }
 
-/// All bytes of a file that must hold some.
+/// All bytes of a file, which must not be empty.
 pub(super) fn file_bytes(path: &Path) -> Result<Vec<u8>, RecordingError> {
     file_length(path)?;
     files::read(path).map_err(|e| unreadable(path, e))
 }
 
-/// A file opened for reading, which must hold something.
+/// A file opened for reading, which must not be empty.
 pub(super) fn open(path: &Path) -> Result<File, RecordingError> {
     file_length(path)?;
     files::open(path).map_err(|e| unreadable(path, e))
 }
 
-/// The length in bytes of a file that must hold some.
+/// The length in bytes of a file, which must not be empty.
 pub(super) fn file_length(path: &Path) -> Result<u64, RecordingError> {
     match length(path)? {
         0 => Err(RecordingError::EmptyFile { file: path.to_owned() }),

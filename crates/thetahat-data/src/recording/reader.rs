@@ -1,4 +1,4 @@
-//! The reader of each format. The file of a new format stands in the folder `reader`, declared here.
+//! The reader of each format. The file of a new format belongs in the folder `reader`, declared here.
 
 use std::path::Path;
 
@@ -6,14 +6,14 @@ use super::csv::{self, Dialect};
 use super::error::RecordingError;
 use super::format::Format;
 use super::place::file_bytes;
-use super::table::{RequestedColumn, Table};
+use super::table::{RequestedColumns, Table};
 use super::{mat, npy};
 
 impl Format {
-    /// The format that the extension of a path names.
+    /// The format of a path by its extension.
     ///
     /// # Errors
-    /// [`RecordingError::UnknownFormat`] if it names none.
+    /// [`RecordingError::UnknownFormat`] if the extension is unknown.
     pub fn of(path: &Path) -> Result<Self, RecordingError> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         let format = Self::of_extension(&extension);
@@ -21,12 +21,12 @@ impl Format {
     }
 }
 
-/// The table that a file holds. For bags see `bag`.
+/// The table in a file. For bags see `bag`.
 pub(super) fn table(
     path: &Path,
     format: Format,
     dialect: &Dialect,
-    wanted: RequestedColumn<'_>,
+    wanted: RequestedColumns<'_>,
 ) -> Result<Table, RecordingError> {
     let bytes = file_bytes(path)?;
     match format {
@@ -40,21 +40,21 @@ pub(super) fn table(
 }
 
 #[cfg(feature = "npz")]
-fn archive(bytes: &[u8], path: &Path, wanted: RequestedColumn<'_>) -> Result<Table, RecordingError> {
+fn archive(bytes: &[u8], path: &Path, wanted: RequestedColumns<'_>) -> Result<Table, RecordingError> {
     super::npz::read(bytes, path, wanted)
 }
 
 #[cfg(not(feature = "npz"))]
-fn archive(_: &[u8], path: &Path, _: RequestedColumn<'_>) -> Result<Table, RecordingError> {
+fn archive(_: &[u8], path: &Path, _: RequestedColumns<'_>) -> Result<Table, RecordingError> {
     Err(RecordingError::FeatureMissing { file: path.to_owned(), format: "NumPy archives", feature: "npz" })
 }
 
 #[cfg(feature = "parquet")]
-fn parquet(bytes: Vec<u8>, path: &Path, wanted: RequestedColumn<'_>) -> Result<Table, RecordingError> {
+fn parquet(bytes: Vec<u8>, path: &Path, wanted: RequestedColumns<'_>) -> Result<Table, RecordingError> {
     super::parquet::read(bytes, path, wanted)
 }
 
 #[cfg(not(feature = "parquet"))]
-fn parquet(_: Vec<u8>, path: &Path, _: RequestedColumn<'_>) -> Result<Table, RecordingError> {
+fn parquet(_: Vec<u8>, path: &Path, _: RequestedColumns<'_>) -> Result<Table, RecordingError> {
     Err(RecordingError::FeatureMissing { file: path.to_owned(), format: "Parquet files", feature: "parquet" })
 }

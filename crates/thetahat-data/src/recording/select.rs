@@ -1,4 +1,4 @@
-//! The channels of a signal out of a table, in the order in which they were asked for.
+//! Selects the channels of a signal from a table, in the requested order.
 
 use std::path::Path;
 
@@ -8,10 +8,10 @@ use super::format::Format;
 use super::table::{Column, Table, indexed};
 use thetahat_ground::series::Series;
 
-/// The named columns of a table side by side.
+/// The named columns of a table, joined.
 ///
-/// A column of several channels gives all of them, `name[3]` its third. None named means all columns of a file that is
-/// one table, or the only variable of numbers of another.
+/// A column of several channels gives all of them, `name[3]` its third. Without names, all columns of a file that is one table, or the only
+/// numeric variable of another file.
 pub(super) fn series(table: &Table, format: Format, asked: &[String], path: &Path) -> Result<Series, RecordingError> {
     let columns = match asked {
         [] => unnamed(table, format, path)?,
@@ -53,7 +53,7 @@ fn find<'a>(table: &'a Table, asked: &str, path: &Path) -> Result<Selected<'a>, 
     }
 }
 
-/// The one column of a name, if there is one.
+/// The only column of a name; none if there is none.
 fn named<'a>(table: &'a Table, name: &str, path: &Path) -> Result<Option<&'a Column>, RecordingError> {
     let mut columns = table.columns.iter().filter(|column| column.name == name);
     match (columns.next(), columns.count()) {
@@ -91,7 +91,7 @@ fn side_by_side(columns: &[Selected<'_>]) -> Series {
     for sample in 0..samples {
         values.extend(channels.iter().map(|channel| channel[sample]));
     }
-    Series::from_values(channels.len(), values)
+    Series::shaped(channels.len(), values)
 }
 
 fn chosen(column: &Column, only: Option<usize>) -> Vec<&[f64]> {

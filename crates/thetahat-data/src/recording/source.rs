@@ -9,7 +9,7 @@ use super::error::RecordingError;
 use super::format::Format;
 use super::layout::{self, Layout};
 use super::reader::table;
-use super::table::RequestedColumn;
+use super::table::RequestedColumns;
 use super::unit::{Dimension, Unit};
 use super::{bag, place, select};
 use thetahat_ground::{one_or_each::OneOrEach, series::Series};
@@ -17,7 +17,7 @@ use thetahat_ground::{one_or_each::OneOrEach, series::Series};
 /// Where the channels of one signal are, and what they are.
 ///
 /// ```
-/// use thetahat::recording::{ChannelSource, Side, Unit};
+/// use thetahat_data::recording::{ChannelSource, Side, Unit};
 /// let text = r#"
 ///     file = "torque.csv"
 ///     columns = ["motor_1", "motor_2"]
@@ -33,23 +33,22 @@ pub struct ChannelSource {
     /// The file, relative to the folder of the data.
     pub file: PathBuf,
     /// Names of columns or variables, in the order of the channels. A variable with several columns gives several
-    /// channels, and `name[3]` its third alone. None means all columns of a table (CSV, Parquet), or the only variable of
-    /// numbers of another file. Joints of a bag are `elbow.position`, `elbow.velocity`, `elbow.effort`.
+    /// channels, and `name[3]` only its third. None means all columns of a table (CSV, Parquet), or the only numeric variable of another
+    /// file. Joints of a bag are `elbow.position`, `elbow.velocity`, `elbow.effort`.
     #[serde(default)]
     pub columns: Vec<String>,
-    /// The unit of the values in the file, of all channels or of each.
+    /// The unit of the values in the file: one for all channels, or one for each.
     pub unit: OneOrEach<Unit>,
     /// The side of the transmission on which the values were measured.
     #[serde(default)]
     pub side: Side,
-    /// A factor of all channels, or of each, applied after the unit; none means 1 for all.
+    /// A factor for all channels, or one for each, applied after the unit; none means 1 for all.
     #[serde(default)]
     pub gain: Option<OneOrEach<f64>>,
-    /// The topic of a bag; needed where the bag holds several with joint states.
+    /// The topic of a bag; required if several topics of the bag have joint states.
     #[serde(default)]
     pub topic: Option<String>,
-    /// The delimiter of a CSV file, one character; none means that it is detected. A space stands for any number of
-    /// spaces.
+    /// The delimiter of a CSV file, one character; none means that it is detected. A space means any number of spaces.
     #[serde(default)]
     pub delimiter: Option<char>,
     /// The decimal sign of a CSV file; none means that it is detected.
@@ -59,27 +58,25 @@ pub struct ChannelSource {
     /// `1`, `2` and so on.
     #[serde(default)]
     pub header: Option<bool>,
-    /// Whether a last line of a text that is cut is left out.
+    /// Whether an incomplete last line of a text is left out.
     #[serde(default)]
     pub drop_cut_line: bool,
-    /// Whether a matrix has one row for each channel, and not one column.
+    /// Whether a matrix has one row, not one column, for each channel.
     #[serde(default)]
     pub channels_in_rows: bool,
-    /// Number of channels whose values follow one another in one column, sample by sample.
+    /// Number of channels whose values are interleaved in one column, sample by sample.
     #[serde(default)]
     pub interleaved: Option<usize>,
-    /// A column of numbers that says of which channel each row is, where rows hold one channel each. Channels follow one
-    /// another as their numbers rise.
+    /// A numeric column with the channel of each row, for rows that contain one channel each. Channels are ordered by their numbers.
     #[serde(default)]
     pub channel_column: Option<String>,
-    /// How late the values are, s: the value at a time is the one recorded so much later. Negative where they are early.
+    /// Delay of the values, s: the value at a time is the one recorded that much later. Negative if they are early.
     #[serde(default)]
     pub delay_s: f64,
-    /// Whether a torque holds until the next sample, as a sampled controller's does: then it acts half a step later than it
-    /// was recorded.
+    /// Whether a torque holds until the next sample, as from a sampled controller: it then acts half a step later than it was recorded.
     #[serde(default)]
     pub held: bool,
-    /// Whether the file may lie anywhere, because the user named it and not a file of descriptions. Not read from files.
+    /// Whether the file may be anywhere, because the user named it and not a description file. Not read from files.
     #[serde(skip)]
     pub anywhere: bool,
 }
@@ -88,21 +85,53 @@ pub struct ChannelSource {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
-    /// The motor's: before the gears.
+    /// The motor side: before the gears.
     Motor,
-    /// The joint's: behind the gears.
+    /// The joint side: after the gears.
     #[default]
     Joint,
 }
 
 impl ChannelSource {
+    /// Columns of a text file by name, or all of them where none is named, in a unit and on the joint side.
+    ///
+    /// ```
+    /// use thetahat_data::recording::{ChannelSource, Unit, read_channels};
+    /// # let folder = tempfile::tempdir().unwrap();
+    /// # let file = folder.path().join("log.csv");
+    /// std::fs::write(&file, "t,q1,q2\n0.0,0,90\n0.1,0,180\n").unwrap();
+    /// let position = ChannelSource::csv(&file, ["q1", "q2"], Unit::Degree);
+    /// let (series, _) = read_channels(&position, "".as_ref()).unwrap();
+    /// assert!((series.sample(1)[1] - std::f64::consts::PI).abs() < 1e-12);
+    /// ```
+    pub fn csv<S: Into<String>>(file: impl Into<PathBuf>, columns: impl IntoIterator<Item = S>, unit: Unit) -> Self {
+        Self {
+            file: file.into(),
+            columns: columns.into_iter().map(Into::into).collect(),
+            unit: OneOrEach::One(unit),
+            side: Side::Joint,
+            gain: None,
+            topic: None,
+            delimiter: None,
+            decimal: None,
+            header: None,
+            drop_cut_line: false,
+            channels_in_rows: false,
+            interleaved: None,
+            channel_column: None,
+            delay_s: 0.0,
+            held: false,
+            anywhere: true,
+        }
+    }
+
     /// The path of the file below the folder of the data.
     #[must_use]
     pub fn path(&self, root: &Path) -> PathBuf {
         root.join(&self.file)
     }
 
-    /// Checks that the units measure what the `signal` (a word for the error's text) is.
+    /// Checks that the units match the quantity of the `signal` (a word for the error's text).
     ///
     /// # Errors
     /// [`RecordingError::WrongDimension`] if the dimension of a unit is not among the `expected` ones.
@@ -113,8 +142,8 @@ impl ChannelSource {
         }
     }
 
-    /// Checks that the unit of each channel measures what `joints` say, a name and a dimension for each. One unit for all of
-    /// joints that turn and joints that slide stands for SI, as `"rad"` for rad and m.
+    /// Checks that the unit of each channel matches the dimension in `joints`, a name and a dimension for each. One unit for both revolute
+    /// and prismatic joints means SI, as `"rad"` for rad and m.
     ///
     /// # Errors
     /// [`RecordingError::UnitCount`], [`RecordingError::WrongDimension`], or [`RecordingError::MixedUnit`].
@@ -185,7 +214,7 @@ impl ChannelSource {
         Ok((0..channels).map(|c| gain.of(c) * self.unit.of(c).to_si()).collect())
     }
 
-    /// What a gain turns into the signal, by the unit.
+    /// What a gain converts to the signal, by the unit.
     fn what_gains_are(&self) -> String {
         let place = match self.side {
             Side::Joint => "at the joint",
@@ -215,7 +244,7 @@ impl ChannelSource {
         })
     }
 
-    /// Refuses settings of another format, which would be without effect.
+    /// Refuses settings of another format, which would have no effect.
     pub(super) fn refuse_useless_settings(&self, format: Format) -> Result<(), RecordingError> {
         let text = !matches!(format, Format::Csv);
         let settings = [
@@ -236,7 +265,7 @@ impl ChannelSource {
         }
     }
 
-    /// How its channels lie in their columns.
+    /// How its channels are arranged in their columns.
     fn layout(&self) -> Layout {
         match (self.channel_column.is_some(), self.interleaved) {
             (true, _) => Layout::Long,
@@ -260,7 +289,7 @@ impl ChannelSource {
         }
     }
 
-    /// The path to read from: inside the folder of the data, unless the file may lie anywhere.
+    /// The path to read from: inside the folder of the data, unless the file may be anywhere.
     pub(super) fn place(&self, root: &Path) -> Result<PathBuf, RecordingError> {
         if self.anywhere { Ok(self.path(root)) } else { place::inside(root, &self.file) }
     }
@@ -268,11 +297,11 @@ impl ChannelSource {
 
 /// The channels of `source` in SI units: the file's values times the unit's factor times the gain.
 ///
-/// The file is looked for in `root`, and must lie inside; its [`Format`] follows from its extension. The side is not
-/// applied: motor values stay on the motor side. Time stamps of a bag are seconds from the first message of their topic.
+/// The file must be inside `root`; its [`Format`] follows from its extension. The side is not applied: motor values stay on the motor side.
+/// Time stamps of a bag are seconds from the first message of their topic.
 ///
 /// # Errors
-/// A [`RecordingError`] that names the place, what was expected and what was found, if the file cannot be read, a column
+/// A [`RecordingError`] that states the place, what was expected and what was found, if the file cannot be read, a column
 /// is missing, a value is not a finite number, or the gains do not fit the channels.
 pub fn read_channels(source: &ChannelSource, root: &Path) -> Result<Series, RecordingError> {
     source.refuse_repetition()?;
@@ -293,7 +322,7 @@ fn read(source: &ChannelSource, format: Format, path: &Path) -> Result<Series, R
     }
     let mut columns = source.columns.clone();
     columns.extend(source.channel_column.clone());
-    let wanted = if columns.is_empty() { RequestedColumn::All } else { RequestedColumn::Named(&columns) };
+    let wanted = if columns.is_empty() { RequestedColumns::All } else { RequestedColumns::Named(&columns) };
     let table = table(path, format, &source.dialect(), wanted)?;
     layout::laid_out(source.layout(), select::series(&table, format, &columns, path)?, path)
 }
@@ -336,7 +365,7 @@ mod tests {
             let text = format!("file = 'q.csv'\nunit = 'rad'\ninterleaved = {channels}");
             read_channels(&toml::from_str(&text).unwrap(), folder.path())
         };
-        assert_eq!(of(3).unwrap(), Series::from_values(3, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
+        assert_eq!(of(3).unwrap(), Series::shaped(3, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
         let error = of(4).unwrap_err().to_string();
         assert!(error.contains("6 values in 1 columns are no samples of 4 interleaved channels"), "{error}");
     }
@@ -349,7 +378,7 @@ mod tests {
             read_channels(&toml::from_str(&format!("file = 'q.csv'\nunit = 'rad'\n{extra}")).unwrap(), folder.path())
         };
         let series = of("columns = ['q']\nchannel_column = 'joint'").unwrap();
-        assert_eq!(series, Series::from_values(2, vec![10.0, 20.0, 11.0, 21.0]));
+        assert_eq!(series, Series::shaped(2, vec![10.0, 20.0, 11.0, 21.0]));
         let error = of("columns = ['q']\nchannel_column = 't'\ninterleaved = 2").unwrap_err();
         assert!(matches!(error, RecordingError::UselessSetting { setting: "channel_column", .. }));
         folder.write("q.csv", "t,joint,q\n0,2,20\n0,1,10\n1,1,11\n");
@@ -364,7 +393,7 @@ mod tests {
         let folder = Folder::with("q.npy", super::super::test_files::npy("<f8", false, "(2, 4)", &values));
         let source: ChannelSource = toml::from_str("file = 'q.npy'\nunit = 'rad'\nchannels_in_rows = true").unwrap();
         let series = read_channels(&source, folder.path()).unwrap();
-        assert_eq!(series, Series::from_channels(&[vec![0.0, 1.0, 2.0, 3.0], vec![4.0, 5.0, 6.0, 7.0]]));
+        assert_eq!(series, Series::side_by_side(&[vec![0.0, 1.0, 2.0, 3.0], vec![4.0, 5.0, 6.0, 7.0]]));
     }
 
     #[test]

@@ -1,22 +1,22 @@
-//! Where the time steps of a record are gaps.
+//! Finds the gaps in the time steps of a recording.
 
 use std::ops::Range;
 
-/// Time that is missing around a long step, in steps: less is a late stamp that the next steps make up for.
+/// Time missing around a long step, in steps, that makes it a gap: if less is missing, the stamp is late and the next steps compensate.
 const LASTING: f64 = 0.75;
-/// Steps to either side over which late stamps make up for one another.
+/// Number of steps on either side within which late stamps are compensated.
 const AROUND: usize = 2;
 
-/// The steps of a record, told apart into gaps and others.
+/// The steps of a recording, divided into gaps and others.
 pub(super) struct Stretches {
     is_gap: Vec<bool>,
-    /// Usual steps from the first time to the last.
+    /// Number of usual steps from the first time to the last.
     pub(super) steps: usize,
 }
 
 impl Stretches {
-    /// A step is a gap where it is longer than the median by more than `largest_jitter` of it, and the steps beside do not
-    /// make up for it. The mean of the others is the usual step: it has no rounding of the times.
+    /// A step is a gap if it is longer than the median by more than `largest_jitter` of it, and the neighbouring steps do not compensate
+    /// for it. The mean of the others is the usual step: it does not contain the rounding of the times.
     pub(super) fn of(steps: &[f64], largest_jitter: f64) -> Self {
         let median = median(steps);
         let late: Vec<f64> = steps.iter().map(|step| step / median - 1.0).collect();
@@ -29,12 +29,12 @@ impl Stretches {
         Self { steps: steps.iter().zip(&is_gap).map(whole).sum::<f64>() as usize, is_gap }
     }
 
-    /// The values of the steps that are no gaps.
+    /// The values of the steps that are not gaps.
     pub(super) fn regular(&self, of_steps: &[f64]) -> Vec<f64> {
         of_steps.iter().zip(&self.is_gap).filter(|(_, gap)| !**gap).map(|(value, _)| *value).collect()
     }
 
-    /// The samples at equal steps from the first stamp on that are more than half a step from both ends of a gap.
+    /// The samples at equal steps from the first stamp on that are more than half a step away from both ends of a gap.
     pub(super) fn missing_samples(&self, stamps: &[f64], step: f64) -> Vec<Range<usize>> {
         let place = |stamp: f64| (stamp - stamps[0]) / step;
         let between =

@@ -1,14 +1,14 @@
-//! The columns of a file as its reader returns them: numbers by name, with the flaw of each column, nothing refused
-//! yet. Reading a signal refuses flawed columns, inspecting a file reports them.
+//! The columns of a file as its reader returns them: numbers by name, with the flaw of each column, nothing rejected yet. Reading a signal
+//! rejects flawed columns, inspecting a file reports them.
 
 use std::path::Path;
 
 use super::error::RecordingError;
 
-/// Columns that stand together in a file: a CSV file, the variables of a MAT file, a topic.
+/// Columns that belong together in a file: a CSV file, the variables of a MAT file, a topic.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Table {
-    /// Name of the topic; empty where the file is one table.
+    /// Name of the topic; empty if the file is one table.
     pub(super) name: String,
     pub(super) columns: Vec<Column>,
 }
@@ -22,28 +22,28 @@ pub(super) struct Column {
     /// Channel by channel: all samples of the first, then all of the second, and so on.
     pub(super) values: Vec<f64>,
     pub(super) flaw: Option<Flaw>,
-    /// Whether the channels are the rows of a matrix, which was turned.
+    /// Whether the channels are the rows of a matrix, which was transposed.
     pub(super) in_rows: bool,
 }
 
-/// What keeps a column from being read.
+/// Why a column cannot be read.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Flaw {
     /// The first cell that is not a number; such cells are NaN among the values.
     Text { line: u64, found: String },
-    /// The first cell that is NaN, infinite or beyond all recorded values, where the file has lines.
+    /// The first cell that is NaN, infinite or implausibly large, if the file has lines.
     NotFinite { line: u64, found: f64 },
-    /// The whole column is not numbers: a phrase such as `text` or `a cell array`. It has no values.
+    /// The whole column is not numeric: a phrase such as `text` or `a cell array`. It has no values.
     Kind(String),
 }
 
 impl Column {
-    /// A column of numbers: `channels` times equally many values.
+    /// A column of numbers: `channels` times the same number of values.
     pub(super) fn of_numbers(name: String, channels: usize, values: Vec<f64>) -> Self {
         Self { name, channels, values, flaw: None, in_rows: false }
     }
 
-    /// A column that holds no numbers that can be read.
+    /// A column without numbers that can be read.
     pub(super) fn of_kind(name: String, kind: impl Into<String>) -> Self {
         Self { name, channels: 0, values: Vec::new(), flaw: Some(Flaw::Kind(kind.into())), in_rows: false }
     }
@@ -76,23 +76,23 @@ impl Column {
     }
 }
 
-/// What a recorded value stays below: counts, stamps in nanoseconds and torques do; memory that was never written does not.
+/// Upper bound of recorded values: counts, stamps in nanoseconds and torques are below it; uninitialised memory often is not.
 const LARGEST: f64 = 1e30;
 
-/// Whether a number can be a recorded value.
+/// Whether a number is plausible as a recorded value.
 pub(super) fn is_plausible(value: f64) -> bool {
     value.abs() < LARGEST
 }
 
-/// Which columns are to be read, so that a reader can leave the others alone.
+/// The columns to read, so that a reader can skip the others.
 #[derive(Clone, Copy)]
-pub(super) enum RequestedColumn<'a> {
+pub(super) enum RequestedColumns<'a> {
     All,
     Named(&'a [String]),
 }
 
-impl RequestedColumn<'_> {
-    /// Whether a column is asked for: by its name, or one column of it as `name[3]`.
+impl RequestedColumns<'_> {
+    /// Whether a column is requested: by its name, or one column of it as `name[3]`.
     pub(super) fn includes(self, name: &str) -> bool {
         match self {
             Self::All => true,

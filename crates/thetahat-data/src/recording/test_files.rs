@@ -1,4 +1,4 @@
-//! Files for the tests of this room: NumPy and MAT files written by hand.
+//! Files for the tests of recordings: NumPy and MAT files written by hand.
 
 use std::io::Write;
 
@@ -102,7 +102,7 @@ fn matrix(flags: u32, name: &str, size: &[u32], values: &[u8]) -> Vec<u8> {
     part(MATRIX, &parts.concat())
 }
 
-/// One word in the short form of a part.
+/// One word in the short form of an element.
 fn small_part(kind: u32, word: u32) -> Vec<u8> {
     words(&[4 << 16 | kind, word])
 }

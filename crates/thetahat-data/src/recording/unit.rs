@@ -65,7 +65,7 @@ impl fmt::Display for Dimension {
     }
 }
 
-/// A unit in which a file may hold its values. Written by its symbol, with a space between factors: `"N m"`.
+/// A unit of the values in a file. Written by its symbol, with a space between factors: `"N m"`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(try_from = "String", into = "&'static str")]
 pub enum Unit {
@@ -136,7 +136,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// Every unit that is known.
+    /// Every known unit.
     pub const ALL: [Self; 32] = [
         Self::Radian,
         Self::Milliradian,
@@ -172,7 +172,7 @@ impl Unit {
         Self::Percent,
     ];
 
-    /// The symbol by which files name the unit.
+    /// The symbol of the unit in files.
     #[must_use]
     pub fn symbol(self) -> &'static str {
         self.definition().0
@@ -181,7 +181,7 @@ impl Unit {
     /// The factor to SI: a value in SI is `to_si()` times the value in this unit.
     ///
     /// ```
-    /// use thetahat::recording::Unit;
+    /// use thetahat_data::recording::Unit;
     /// assert_eq!(180.0 * Unit::Degree.to_si(), std::f64::consts::PI);
     /// ```
     #[must_use]
@@ -195,7 +195,7 @@ impl Unit {
         self.definition().2
     }
 
-    /// The one table of units: symbol, factor to SI, dimension.
+    /// The table of units: symbol, factor to SI, dimension.
     fn definition(self) -> (&'static str, f64, Dimension) {
         match self {
             Self::Radian => ("rad", 1.0, Dimension::Angle),

@@ -1,13 +1,13 @@
-//! Torques beside those of the a-priori masses: the one scale that a fit of all parameters cannot see.
+//! Compares torques with those of the a-priori masses: the one scale that a fit of all parameters cannot see.
 //!
-//! Where every torque is on the other side of the gears, or in another unit, the parameters take the factor up. A
-//! description with masses contradicts it. Masses may be placeholders, so the factor must be large, and the a-priori model
-//! must explain the form of the torque.
+//! If all torques are on the other side of the gears, or in another unit, the parameters absorb the factor. The masses of a
+//! description contradict it. Masses may be placeholders, so the factor must be large, and the a-priori model must explain
+//! the shape of the torque.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
-    thinned_record::ThinnedRecord,
+    thinned_recording::ThinnedRecording,
 };
 use crate::{signal::Motion, statistics::median};
 use thetahat_ground::{
@@ -20,24 +20,24 @@ use thetahat_model::{
     robot::{Quantity, Robot},
 };
 
-/// Factor between a torque and that of the a-priori masses, either way. Clean: recorded TX40 at most 1.1, KUKA 1.4, twins
-/// whose masses are right 1.1.
+/// Largest factor between a torque and that of the a-priori masses, either way. Clean recordings: TX40 at most 1.1, KUKA 1.4,
+/// twins with the right masses 1.1.
 const LIMIT: f64 = 5.0;
-/// Part of a torque's squares, beside friction, offset and motor inertia, whose form the a-priori model must explain.
+/// Smallest part of a torque's squares, without friction, offset and motor inertia, that the a-priori model must explain.
 const EXPLAINED: f64 = 0.5;
-/// Factor by which two scales may differ and be one.
+/// Largest factor between two scales that count as equal.
 const ALIKE: f64 = 1.5;
-/// Joints with the same factor from which the masses are not the cause.
+/// Number of joints with the same factor from which wrong masses are no explanation.
 const SEVERAL: usize = 3;
 
-/// How many times larger a joint's torque is than its a-priori masses make it.
+/// How many times larger a joint's torque is than the torque of its a-priori masses.
 struct Scale {
     coordinate: usize,
     factor: f64,
 }
 
-pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
-    let scales = scales(record);
+pub(super) fn check(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>) {
+    let scales = scales(recording);
     let off = |factor: f64| factor.max(1.0 / factor);
     for scale in &scales {
         exam.note_measure(evidence(Some(scale.coordinate), off(scale.factor)));
@@ -51,7 +51,7 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
     let common = wrong.len() >= SEVERAL.min(scales.len()) && wrong.len() > 1;
     let severity = if common { Severity::Problem } else { Severity::Warning };
     let only = if wrong.len() == 1 { Some(wrong[0].coordinate) } else { None };
-    exam.raise(evidence(only, off(middle)), severity, words(exam.subject.robot, &wrong, middle, common));
+    exam.raise(evidence(only, off(middle)), severity, finding_text(exam.subject.robot, &wrong, middle, common));
 }
 
 fn evidence(coordinate: Option<usize>, value: f64) -> Evidence {
@@ -64,14 +64,15 @@ fn evidence(coordinate: Option<usize>, value: f64) -> Evidence {
     }
 }
 
-/// Gear ratios are named where several joints have theirs as a factor: one alone may have it by chance.
-fn words(robot: &Robot, wrong: &[&Scale], middle: f64, several: bool) -> Words {
+/// The text names the gear ratios only if several joints have theirs as the factor: one joint alone may have it by chance.
+fn finding_text(robot: &Robot, wrong: &[&Scale], middle: f64, several: bool) -> FindingText {
     let joints: Vec<String> = wrong.iter().map(|s| (robot.joint_of(s.coordinate) + 1).to_string()).collect();
     let joints =
         if joints.len() == 1 { format!("joint {}", joints[0]) } else { format!("joints {}", joints.join(" ")) };
     let how = if middle < 1.0 { format!("{:.3e} of", middle) } else { format!("{middle:.1} times") };
-    let message =
-        format!("{joints}: the torque is {how} what the masses of the robot description make it, with the same form");
+    let message = format!(
+        "{joints}: the torque is {how} the torque that the masses of the robot description give, with the same shape"
+    );
     let is_ratio = |s: &&Scale, power: i32| {
         let ratio = robot.transmission.matrix().at(s.coordinate, s.coordinate).abs();
         let expected = ratio.powi(power);
@@ -83,43 +84,45 @@ fn words(robot: &Robot, wrong: &[&Scale], middle: f64, several: bool) -> Words {
         "these are the gear ratios: set side = \"joint\" of torque in [recording]"
     } else {
         "check the unit of torque, and the side of the gears of torque and position (side = \"motor\" in [recording] with the \
-         ratios in [transmission] matrix, or gain = ... of the channel); else the masses of the description are placeholders"
+         ratios in [transmission] matrix, or gain = ... of the channel); if these are right, the masses of the description are \
+         placeholders: ignore this warning"
     };
-    Words::new(message, remedy)
+    FindingText::new(message, remedy)
 }
 
-/// The joints whose torque has the form that the a-priori masses give it, with its factor.
-fn scales(record: &ThinnedRecord<'_>) -> Vec<Scale> {
-    let Some(a_priori) = a_priori_torque(record) else { return Vec::new() };
-    let of_coordinate = |coordinate: usize| {
-        let own = own_columns(record, coordinate)?;
+/// The joints whose torque has the shape that the a-priori masses give, with its factor.
+fn scales(recording: &ThinnedRecording<'_>) -> Vec<Scale> {
+    let Some(a_priori) = a_priori_torque(recording) else { return Vec::new() };
+    let scale = |coordinate: usize| {
+        let own = own_columns(recording, coordinate)?;
         let qr = PivotedQr::new(&own);
-        let less_own = |y: Vec<f64>| -> Vec<f64> {
+        let without_own = |y: Vec<f64>| -> Vec<f64> {
             let by_own = own.times(&qr.solve(&y));
             y.iter().zip(by_own).map(|(y, own)| y - own).collect()
         };
-        let expected = less_own(record.stack_channel(&a_priori, coordinate));
-        let torque = less_own(record.stack_channel(&record.torque, coordinate));
+        let expected = without_own(recording.stack_channel(&a_priori, coordinate));
+        let torque = without_own(recording.stack_channel(&recording.torque, coordinate));
         let (size, common, squares) = (dot(&expected, &expected), dot(&expected, &torque), dot(&torque, &torque));
         let explained = common * common / (size * squares);
         (common > 0.0 && explained > EXPLAINED).then_some(Scale { coordinate, factor: common / size })
     };
-    (0..record.coordinates()).filter_map(of_coordinate).collect()
+    (0..recording.coordinates()).filter_map(scale).collect()
 }
 
-/// Velocity, its sign, acceleration and one of a coordinate, low-passed as the rows are; none where two of them are one.
-fn own_columns(record: &ThinnedRecord<'_>, j: usize) -> Option<Matrix> {
-    let motion = &record.motion;
+/// Velocity, its sign, acceleration and a constant one of a coordinate, low-passed like the rows; `None` if they are linearly
+/// dependent.
+fn own_columns(recording: &ThinnedRecording<'_>, j: usize) -> Option<Matrix> {
+    let motion = &recording.motion;
     let values = (0..motion.q.len()).flat_map(|k| {
         let v = motion.dq.sample(k)[j];
         [v, Sign::Exact.of(v), motion.ddq.sample(k)[j], 1.0]
     });
-    record.columns_of(&Series::from_values(4, values.collect()))
+    record.columns_of(&Series::shaped(4, values.collect()))
 }
 
-/// The torques of the links' a-priori parameters, low-passed as the rows are; none where there are no masses.
-fn a_priori_torque(record: &ThinnedRecord<'_>) -> Option<Series> {
-    let (robot, model): (&Robot, &Model) = (record.subject.robot, record.subject.model);
+/// The torques of the links' a-priori parameters, low-passed like the rows; `None` without masses.
+fn a_priori_torque(recording: &ThinnedRecording<'_>) -> Option<Series> {
+    let (robot, model): (&Robot, &Model) = (recording.subject.robot, recording.subject.model);
     let table = model.parameter_table();
     let theta = robot.a_priori_parameters_for(table);
     let is_given = |i: &usize| matches!(table.get(*i).quantity, Quantity::Link(_)) && theta[*i] != 0.0;
@@ -127,8 +130,8 @@ fn a_priori_torque(record: &ThinnedRecord<'_>) -> Option<Series> {
     if given.is_empty() {
         return None;
     }
-    let Motion { q, dq, ddq } = &record.motion;
+    let Motion { q, dq, ddq } = &recording.motion;
     let values: Vec<f64> = given.iter().map(|&i| theta[i]).collect();
     let torque = Regressor::new(model, &given).torques(model, [q, dq, ddq], Sign::Exact, &values);
-    record.decimator.filter(&torque).ok()
+    recording.decimator.filter(&torque).ok()
 }

@@ -1,14 +1,14 @@
-//! Recordings beside one another.
+//! Checks that compare recordings with each other.
 
 use super::{
     companion::Companion,
     contradiction,
-    finding::{Code, Finding},
+    finding::{Finding, Measure},
     same_recording,
 };
 
-/// What the checks find in recordings beside one another: samples that two of them share, and recordings that are
-/// explained one by one and not together.
+/// The findings of a comparison of recordings: samples that two of them share, and recordings that separate fits explain but a
+/// common fit does not.
 ///
 /// # Panics
 /// As [`super::examine`].
@@ -20,9 +20,9 @@ pub fn compare(companions: &[Companion<'_>]) -> Vec<Finding> {
     findings
 }
 
-/// The numbers behind [`compare`], also of those below their limits: code, value and limit.
+/// The evidence of [`compare`], whether above or below its limit.
 #[must_use]
-pub fn measure_together(companions: &[Companion<'_>]) -> Vec<(Code, f64, f64)> {
+pub fn measure_across_recordings(companions: &[Companion<'_>]) -> Vec<Measure> {
     let mut measures = same_recording::measure(companions);
     measures.extend(contradiction::measure(companions));
     measures

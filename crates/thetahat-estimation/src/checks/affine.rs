@@ -1,10 +1,10 @@
-//! Corrections of a record that are affine in its positions and linear in its torques.
+//! Corrections of a recording that are affine in its positions and linear in its torques.
 
 use crate::signal::Motion;
 use thetahat_ground::{linear_algebra::Matrix, series::Series};
 use thetahat_model::robot::Robot;
 
-/// How a record is put right: `q' = A q + b`, with `A` for its derivatives as well, and `tau' = T tau`.
+/// The correction of a recording: `q' = A q + b`, with the same `A` for its derivatives, and `tau' = T tau`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Affine {
     pub(super) position: Matrix,
@@ -28,7 +28,7 @@ impl Affine {
         Self { torque: diagonal(factor), ..Self::identity(factor.len()) }
     }
 
-    /// Positions moved by so much.
+    /// Positions plus a shift.
     pub(super) fn shifted(shift: Vec<f64>) -> Self {
         let n = shift.len();
         Self { shift, ..Self::identity(n) }
@@ -44,8 +44,8 @@ impl Affine {
         Self { torque: permutation(n, a, b), ..Self::identity(n) }
     }
 
-    /// The same motors behind gears whose ratios are `factor` times as large: `q' = N^-1 D^-1 N (q - o) + o` and
-    /// `tau' = N^T D N^-T tau`. None where N is singular.
+    /// The same motors with gear ratios that are `factor` times as large: `q' = N^-1 D^-1 N (q - o) + o` and
+    /// `tau' = N^T D N^-T tau`. `None` if N is singular.
     pub(super) fn geared(robot: &Robot, factor: &[f64]) -> Option<Self> {
         let n = robot.transmission.matrix();
         let inverse = n.inverse()?;

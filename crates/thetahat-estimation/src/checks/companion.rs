@@ -7,12 +7,12 @@ pub struct Companion<'a> {
     pub name: &'a str,
     /// Whether it is held back for validation.
     pub held_back: bool,
-    /// What is examined of it. The parameters are those of all recordings.
+    /// Its data. The parameters are those of all recordings.
     pub subject: Subject<'a>,
 }
 
 impl Companion<'_> {
-    /// Its name, with what it is for where it is held back.
+    /// Its name, marked if it is held back.
     pub(super) fn label(&self) -> String {
         if self.held_back { format!("{} (held back)", self.name) } else { self.name.to_owned() }
     }

@@ -1,7 +1,7 @@
 //! Whether the described controller gives the recorded drive signals from the recorded reference and motion.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::{deviation, rms},
     reference_fit::explanation,
@@ -18,22 +18,24 @@ use thetahat_ground::{
     series::Series,
 };
 
-/// Rms of the drive signal that the law does not give, in the band of the estimate's rows, percent of its standard
-/// deviation. EMPS has 0.3, the twin with its torque noise at most 13 (clean).
+/// Rms difference of the drive signal and the controller's, in the band of the estimate's rows, percent of the drive signal's
+/// standard deviation. EMPS has 0.3, the twin with its torque noise at most 13 (clean).
 const LIMIT_PERCENT: f64 = 25.0;
-/// Correlation of the changes of command and drive signal from which they have the same course, and the factor between them
-/// that is no error of a gain but of its unit.
-const SAME_COURSE: f64 = 0.8;
+/// Correlation of the changes of command and drive signal above which they have the same shape, and the factor between them
+/// above which the unit of a gain is wrong, not its value.
+const SAME_SHAPE: f64 = 0.8;
 const OTHER_UNIT: f64 = 3.0;
-/// Part by which such a factor may differ from a power of the gear ratio.
+/// Largest relative difference of such a factor from a power of the gear ratio.
 const NEAR_RATIO: f64 = 0.3;
 
-/// Nothing to compare where the reference is not recorded, or where a signal is added that the subject does not hold.
+/// Compares nothing if the reference is not recorded, or if an unknown signal is added to the drives.
 pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     let subject = exam.subject;
     let (Some(reference), Some(description)) = (subject.reference, subject.controller) else { return };
     let Some(torque) = subject.torque_in_window() else { return };
-    if subject.added_signal || description.validate(signals.coordinates()).is_err() {
+    // What a law with a memory gives depends on where its memory began.
+    let has_memory = description.own_law().is_some_and(|law| law.memory() > 0);
+    if subject.added_signal || has_memory || description.validate(signals.coordinates()).is_err() {
         return;
     }
     let law = LawInputs::new(subject, signals, reference, description);
@@ -44,12 +46,23 @@ pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     let commands: Vec<Vec<f64>> = (0..signals.coordinates()).map(|i| law.command(&controller, i)).collect();
     let smooth =
         |series: &Series| Decimator::new(subject.signal.decimation, series.len()).and_then(|d| d.filter(series));
-    let (Ok(command), Ok(drive)) = (smooth(&Series::from_channels(&commands)), smooth(&drive)) else { return };
+    let (Ok(command), Ok(drive)) = (smooth(&Series::side_by_side(&commands)), smooth(&drive)) else { return };
     let ratios: Vec<f64> = subject.robot.transmission.drive_to_joint_units().iter().map(|d| d.abs()).collect();
-    (0..signals.coordinates()).for_each(|i| compare(exam, [&command.channel(i), &drive.channel(i)], ratios[i], i));
+    for (i, &gear_ratio) in ratios.iter().enumerate().take(signals.coordinates()) {
+        compare(exam, &DriveSignal { command: command.channel(i), recorded: drive.channel(i), gear_ratio }, i);
+    }
 }
 
-fn compare(exam: &mut Examination<'_>, [command, drive]: [&[f64]; 2], ratio: f64, i: usize) {
+/// The drive signal of one motor.
+struct DriveSignal {
+    /// From the controller, for the recorded reference and motion.
+    command: Vec<f64>,
+    recorded: Vec<f64>,
+    gear_ratio: f64,
+}
+
+fn compare(exam: &mut Examination<'_>, signal: &DriveSignal, i: usize) {
+    let DriveSignal { command, recorded: drive, gear_ratio } = signal;
     let difference: Vec<f64> = command.iter().zip(drive).map(|(a, b)| a - b).collect();
     let value = 100.0 * rms(&difference) / deviation(drive);
     let rate = exam.subject.sample_rate_hz;
@@ -62,26 +75,26 @@ fn compare(exam: &mut Examination<'_>, [command, drive]: [&[f64]; 2], ratio: f64
     };
     exam.judge(evidence, Severity::Warning, || {
         let seen = format!(
-            "motor {}: {value:.0} % of the drive signal is not what the controller gives for this reference and motion",
+            "motor {}: the drive signal differs by {value:.0} % from what the controller gives for this reference and motion",
             i + 1
         );
         if let Some(factor) = other_unit(command, drive) {
-            return Words::new(
-                format!("{seen}; it has the same course, {}", times_as_large(factor, ratio)),
+            return FindingText::new(
+                format!("{seen}; it has the same shape but is {}", times_as_large(factor, *gear_ratio)),
                 "give the gains in joint units (docs/reference/experiments.md): multiply velocity_gain of a cascaded law, or both gains \
                  of pd, by that factor",
             );
         }
         let cause = explanation(drive, command, rate).map_or(String::new(), |cause| format!("; {cause}"));
-        Words::new(
+        FindingText::new(
             format!("{seen}{cause}"),
             "check [controller]'s law, gains and delay; IDIM-IV and DIDIM simulate the loop with it",
         )
     });
 }
 
-/// How many times the changes of the drive signal are those of the command, where their course is the same and the factor far
-/// from one. An integrator's part of the changes follows the command itself; gravity changes slowly.
+/// Ratio of the changes of the drive signal to those of the command, if their shape is the same and the ratio far from one. An
+/// integrator's part of the changes follows the command itself; gravity changes slowly.
 fn other_unit(command: &[f64], drive: &[f64]) -> Option<f64> {
     let changes = |x: &[f64]| -> Vec<f64> { x.windows(2).map(|w| w[1] - w[0]).collect() };
     let (of_command, of_drive) = (changes(command), changes(drive));
@@ -90,21 +103,21 @@ fn other_unit(command: &[f64], drive: &[f64]) -> Option<f64> {
     let followed = both.times(&solution);
     let correlation = (dot(&followed, &followed) / dot(&of_drive, &of_drive)).sqrt();
     let factor = *solution.first()?;
-    (correlation > SAME_COURSE && !(1.0 / OTHER_UNIT..=OTHER_UNIT).contains(&factor)).then_some(factor)
+    (correlation > SAME_SHAPE && !(1.0 / OTHER_UNIT..=OTHER_UNIT).contains(&factor)).then_some(factor)
 }
 
 /// How many times as large the drive signal of a motor with a gear ratio is.
 fn times_as_large(factor: f64, ratio: f64) -> String {
     let is_near = |power: i32| ratio > OTHER_UNIT && (factor / ratio.powi(power) - 1.0).abs() < NEAR_RATIO;
-    let of_ratio = match (is_near(1), is_near(2)) {
+    let near_ratio = match (is_near(1), is_near(2)) {
         (true, _) => format!(", about the gear ratio, {ratio:.1}"),
         (false, true) => format!(", about the square of the gear ratio, {ratio:.1}"),
         (false, false) => String::new(),
     };
-    format!("{} times as large{of_ratio}", significant(factor, 3))
+    format!("{} times as large{near_ratio}", significant(factor, 3))
 }
 
-/// What the law acts on, motor by motor in joint units.
+/// The controller's inputs, motor by motor in joint units.
 struct LawInputs {
     error: Series,
     velocity: Series,
@@ -125,11 +138,11 @@ impl LawInputs {
             VelocityEstimate::AveragedDifference => averaged_difference(&position, rate).window(window.clone()),
         };
         let error = reference.values().iter().zip(position.values()).map(|(r, q)| r - q).collect();
-        let late = (description.delay_s * rate).round() as usize;
+        let delay = (description.delay_s * rate).round() as usize;
         let cut = |series: &Series| series.window(window.clone());
-        let delayed = |series: Series| delayed(&series, late);
+        let delayed = |series: Series| delayed(&series, delay);
         Self {
-            error: delayed(cut(&Series::from_values(position.channels(), error))),
+            error: delayed(cut(&Series::shaped(position.channels(), error))),
             velocity: delayed(velocity),
             reference_velocity: delayed(cut(&dr)),
             reference_acceleration: delayed(cut(&ddr)),
@@ -146,7 +159,7 @@ impl LawInputs {
             .collect()
     }
 
-    /// The inertia, in the direction of each drive, that explains the drive signals best, where the gains follow from it.
+    /// The inertia, in the direction of each drive, that explains the drive signals best; one if the gains do not depend on it.
     fn inertia(&self, description: &ControllerDescription, drive: &Series, direction: &[f64]) -> Vec<f64> {
         let motors = drive.channels();
         if !description.needs_inertia() {
@@ -169,7 +182,7 @@ impl LawInputs {
 /// Joint positions to motor positions in joint units, without offsets.
 fn motors(n: &Matrix, series: &Series) -> Series {
     let values = (0..series.len()).flat_map(|k| n.times(series.sample(k))).collect();
-    Series::from_values(series.channels(), values)
+    Series::shaped(series.channels(), values)
 }
 
 /// `(p_k - p_{k-2}) / (2 T)`.
@@ -178,22 +191,22 @@ fn averaged_difference(position: &Series, rate: f64) -> Series {
         let before = position.sample(k.saturating_sub(2));
         position.sample(k).iter().zip(before).map(|(a, b)| 0.5 * rate * (a - b)).collect::<Vec<_>>()
     };
-    Series::from_values(position.channels(), (0..position.len()).flat_map(difference).collect())
+    Series::shaped(position.channels(), (0..position.len()).flat_map(difference).collect())
 }
 
-/// The series some samples later; the first one stands for those before it.
+/// The series delayed by some samples; the first sample is repeated.
 fn delayed(series: &Series, samples: usize) -> Series {
     let values = (0..series.len()).flat_map(|k| series.sample(k.saturating_sub(samples)).iter().copied()).collect();
-    Series::from_values(series.channels(), values)
+    Series::shaped(series.channels(), values)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// What a PI loop gives, whose law is described without its integrator and with gains of the motor's side.
+    /// A PI loop that is described without its integrator and with gains of the motor side.
     #[test]
-    fn a_gain_in_another_unit_is_found_beside_an_integrator_and_gravity() {
+    fn a_gain_in_another_unit_is_found_despite_an_integrator_and_gravity() {
         let command: Vec<f64> = (0..2000).map(|k| (0.03 * k as f64).sin() + 0.4 * (0.11 * k as f64).cos()).collect();
         let mut integral = 0.0;
         let with_gain = |gain: f64, integral: &mut f64| -> Vec<f64> {

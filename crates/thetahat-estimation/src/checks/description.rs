@@ -1,9 +1,9 @@
-//! What the robot's description says that no robot has.
+//! Physically impossible values in the robot's description.
 
 use super::finding::{Code, Finding, Severity};
 use thetahat_model::robot::{Doubt, Robot};
 
-/// The findings of a robot's description: it is used as it is.
+/// The findings of a robot's description, which is used unchanged.
 #[must_use]
 pub fn examine_robot(robot: &Robot) -> Vec<Finding> {
     let finding = |doubt: &Doubt| Finding {

@@ -1,7 +1,7 @@
-//! Joints that only tremble.
+//! Joints that only vibrate in place.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::quantile_abs,
     signals::Signals,
@@ -9,14 +9,14 @@ use super::{
 use crate::statistics::median;
 use thetahat_model::robot::JointKind;
 
-/// Spans of a motion below which a joint is held and trembles, rad and m: gravity and coupling do not change over it. The
-/// clean records span at least 1.2 rad or 0.12 m.
+/// Spans below which a joint only vibrates in place, rad and m: gravity and coupling do not change over them. The
+/// clean recordings span at least 1.2 rad or 0.12 m.
 const SMALLEST_RAD: f64 = 0.01;
 const SMALLEST_M: f64 = 1e-3;
-/// Part of the samples that the span holds: single outliers do not make a motion.
+/// Part of the samples within the span: single outliers do not count as motion.
 const HELD: f64 = 0.99;
 
-/// Joints whose velocity is that of a moving joint and whose position stays where it is.
+/// Finds joints with the velocity of a moving joint and a constant position.
 pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     for j in (0..signals.coordinates()).filter(|&j| signals.moves(j)) {
         let (smallest, unit) = match exam.subject.joint(j).kind {
@@ -34,12 +34,12 @@ pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
         let severity = if parameters.is_empty() { Severity::Note } else { Severity::Problem };
         exam.judge(evidence, severity, || {
             let message = format!(
-                "joint {number} is held and trembles: it spans {span:.1e} {unit} at velocities of up to {:.1e} {unit}/s, \
+                "joint {number} only vibrates in place: it spans {span:.1e} {unit} at velocities of up to {:.1e} {unit}/s, \
                  which are dither or noise",
                 signals.peak[j]
             );
-            let remedy = "move it, or take its parameters out of the estimate with exclude = [...] in [parameters]";
-            Words::new(message, remedy).about(parameters)
+            let remedy = "move it, or exclude its parameters from the estimate by exclude = [...] in [parameters]";
+            FindingText::new(message, remedy).about(parameters)
         });
     }
 }

@@ -1,4 +1,4 @@
-//! The collector of what the checks measure and find.
+//! Collects the measures and findings of the checks.
 
 use super::{
     finding::{Code, Finding, Measure, Severity},
@@ -16,29 +16,29 @@ pub(super) struct Examination<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Evidence {
     pub(super) code: Code,
-    /// From zero; none where it is about all of them.
+    /// From zero; `None` if the evidence is about all coordinates.
     pub(super) coordinate: Option<usize>,
     pub(super) value: f64,
     pub(super) unit: &'static str,
     pub(super) limit: f64,
 }
 
-/// What a finding says.
-pub(super) struct Words {
-    /// What was seen.
+/// The text of a finding.
+pub(super) struct FindingText {
+    /// What was found.
     message: String,
     /// What to do.
     remedy: String,
-    /// The parameters concerned.
+    /// The parameters it is about.
     parameters: Vec<String>,
 }
 
-impl Words {
+impl FindingText {
     pub(super) fn new(message: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self { message: message.into(), remedy: remedy.into(), parameters: Vec::new() }
     }
 
-    /// The same about these parameters.
+    /// The same, about these parameters.
     pub(super) fn about(self, parameters: Vec<String>) -> Self {
         Self { parameters, ..self }
     }
@@ -49,26 +49,26 @@ impl<'a> Examination<'a> {
         Self { subject, findings: Vec::new(), measures: Vec::new() }
     }
 
-    /// Notes the evidence, and raises a finding where it is above its limit; whether it is.
-    pub(super) fn judge(&mut self, evidence: Evidence, severity: Severity, words: impl FnOnce() -> Words) -> bool {
+    /// Notes the evidence, and raises a finding if it is above its limit. Returns whether it is.
+    pub(super) fn judge(&mut self, evidence: Evidence, severity: Severity, text: impl FnOnce() -> FindingText) -> bool {
         self.note_measure(evidence);
         let raised = evidence.value.is_finite() && evidence.value > evidence.limit;
         if raised {
-            self.raise(evidence, severity, words());
+            self.raise(evidence, severity, text());
         }
         raised
     }
 
-    /// Notes the evidence alone.
+    /// Notes the evidence without a finding.
     pub(super) fn note_measure(&mut self, Evidence { code, coordinate, value, limit, .. }: Evidence) {
         let joint = coordinate.map(|c| self.subject.joint_number(c));
         self.measures.push(Measure { code, joint, value, limit });
     }
 
     /// Raises a finding, whatever its limit.
-    pub(super) fn raise(&mut self, evidence: Evidence, severity: Severity, words: Words) {
+    pub(super) fn raise(&mut self, evidence: Evidence, severity: Severity, text: FindingText) {
         let Evidence { code, coordinate, value, unit, limit } = evidence;
-        let Words { message, remedy, parameters } = words;
+        let FindingText { message, remedy, parameters } = text;
         self.findings.push(Finding {
             code,
             severity,
@@ -83,7 +83,7 @@ impl<'a> Examination<'a> {
         });
     }
 
-    /// Whether one of these was found to matter.
+    /// Whether there is a problem or a warning of one of these codes.
     pub(super) fn has(&self, codes: &[Code]) -> bool {
         self.findings.iter().any(|f| codes.contains(&f.code) && f.severity < Severity::Note)
     }

@@ -1,23 +1,23 @@
-//! Parameters that the motion does not excite, and what they are confounded with.
+//! Parameters that the motion does not excite, and the parameters that they are confounded with.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     orthogonal_fit::OrthogonalFit,
-    thinned_record::ThinnedRecord,
+    thinned_recording::ThinnedRecording,
 };
 use thetahat_ground::linear_algebra::{Matrix, PivotedQr, norm};
 
-/// Variance inflation above which a parameter counts as confounded with others: 99.99 % of its column is spanned by them.
-/// The recorded KUKA, whose motion is one of few frequencies, has 7900 (clean).
+/// Variance inflation above which a parameter counts as confounded with others: they span 99.99 % of its column.
+/// The recorded KUKA, whose motion has few frequencies, has 7900 (clean).
 const INFLATION_LIMIT: f64 = 1e4;
-/// Most partners that a confounded parameter is named with.
+/// Most partners that are named for a confounded parameter.
 const PARTNERS: usize = 3;
-/// Smallest share of a partner that is named, relative to the strongest partner's.
+/// Smallest share of a named partner, relative to the strongest partner's.
 const WEAKEST_PARTNER: f64 = 0.2;
 
-pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
-    let Ok(fit) = record.fit() else { return };
+pub(super) fn check(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>) {
+    let Ok(fit) = recording.fit() else { return };
     let columns = unit_columns(&fit.x);
     let names: Vec<&str> = exam.subject.base.parameters().iter().map(|p| p.name.as_str()).collect();
     let independent = &fit.qr.pivots()[..fit.rank];
@@ -45,7 +45,7 @@ fn owned(names: &[&str], columns: &[usize]) -> Vec<String> {
     columns.iter().map(|&c| names[c].to_owned()).collect()
 }
 
-/// Columns that others span.
+/// Columns that other columns span.
 fn dependent(exam: &mut Examination<'_>, fit: &OrthogonalFit, columns: &Matrix, names: &[&str]) {
     let (kept, lost) = fit.qr.pivots().split_at(fit.rank);
     let value = lost.len() as f64;
@@ -55,8 +55,8 @@ fn dependent(exam: &mut Examination<'_>, fit: &OrthogonalFit, columns: &Matrix, 
     exam.judge(evidence, Severity::Problem, || {
         let qr = PivotedQr::new(&columns.select_columns(kept));
         let phrase = |&c: &usize| {
-            let on = qr.solve(columns.column(c));
-            let partners = strongest(on.iter().map(|v| v.abs()).zip(pick(names, kept)));
+            let coefficients = qr.solve(columns.column(c));
+            let partners = strongest(coefficients.iter().map(|v| v.abs()).zip(pick(names, kept)));
             if partners.is_empty() {
                 format!("{} (no effect)", names[c])
             } else {
@@ -66,12 +66,12 @@ fn dependent(exam: &mut Examination<'_>, fit: &OrthogonalFit, columns: &Matrix, 
         let list: Vec<String> = lost.iter().map(phrase).collect();
         let message =
             format!("the motion does not separate {} parameters from the others: {}", lost.len(), list.join(", "));
-        let remedy = "move the joints concerned, faster and in other configurations, or exclude these parameters";
-        Words::new(message, remedy).about(owned(names, &lost))
+        let remedy = "move these joints faster and in other configurations, or exclude these parameters";
+        FindingText::new(message, remedy).about(owned(names, &lost))
     });
 }
 
-/// Columns that others nearly span: the inverse of the Gram matrix of unit columns holds how nearly, and by which.
+/// Columns that other columns nearly span. The inverse of the Gram matrix of unit columns shows how nearly, and which.
 fn confounded(exam: &mut Examination<'_>, columns: &Matrix, names: &[&str]) {
     let inverse = PivotedQr::new(columns).inverse_gram();
     let inflation = |c: usize| inverse.at(c, c);
@@ -92,8 +92,8 @@ fn confounded(exam: &mut Examination<'_>, columns: &Matrix, names: &[&str]) {
         let list: Vec<String> = worst.iter().map(|&c| format!("{} (with {})", names[c], partners(c))).collect();
         let message =
             format!("the motion hardly separates {} parameters from others: {}", worst.len(), list.join(", "));
-        let remedy = "move the joints concerned in other configurations and speeds, or exclude these parameters";
-        Words::new(message, remedy).about(owned(names, &worst))
+        let remedy = "move these joints in other configurations and at other speeds, or exclude these parameters";
+        FindingText::new(message, remedy).about(owned(names, &worst))
     });
 }
 

@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Severity {
-    /// The estimate is not to be trusted.
+    /// Do not trust the estimate.
     Problem,
-    /// The estimate suffers; look at it.
+    /// The estimate is less accurate; check it.
     Warning,
     /// Worth knowing.
     Note,
@@ -32,19 +32,19 @@ impl fmt::Display for Severity {
     }
 }
 
-/// What was found. Findings of one severity are sorted in this order.
+/// The kind of a finding. Findings of one severity are sorted in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Code {
     /// Positions are in another unit, or on the other side of the gears.
     PositionScale,
-    /// Positions count in the other direction.
+    /// Positions have the opposite sign.
     PositionSign,
-    /// Positions start from another zero.
+    /// Positions have another zero.
     PositionZero,
     /// Torques are in another unit, or on the other side of the gears.
     TorqueScale,
-    /// Torques count in the other direction.
+    /// Torques have the opposite sign.
     TorqueSign,
     /// Two joints are exchanged.
     JointsSwapped,
@@ -58,7 +58,7 @@ pub enum Code {
     RepeatedSamples,
     /// The time stamps are not equally spaced.
     ClockJitter,
-    /// Another rate is stated than the time stamps have.
+    /// The stated sample rate differs from that of the time stamps.
     RateContradicted,
     /// A torque stays at its limit.
     TorqueSaturated,
@@ -76,9 +76,9 @@ pub enum Code {
     VelocityMismatch,
     /// A joint does not move.
     JointStill,
-    /// Nothing moves for a part of the window.
+    /// No joint moves for a part of the window.
     StillPeriod,
-    /// The position filter cuts off motion.
+    /// The position filter removes motion.
     CutoffLow,
     /// The position filter lets noise through.
     CutoffHigh,
@@ -88,7 +88,7 @@ pub enum Code {
     PoorFit,
     /// The motion does not excite parameters.
     NotExcited,
-    /// The reference is not what the motion follows.
+    /// The motion does not follow the reference.
     ReferenceMismatch,
     /// The controller does not give the drive signals.
     ControllerMismatch,
@@ -96,27 +96,27 @@ pub enum Code {
     TorqueIdle,
     /// The torque is noise.
     TorqueNoise,
-    /// A joint is held and trembles.
+    /// A joint only vibrates in place.
     JointDither,
-    /// Torques are far from those of the description's masses.
+    /// Torques differ much from those of the description's masses.
     APrioriScale,
-    /// A joint's torque is predicted no better than by its mean.
+    /// The model predicts a joint's torque no better than its mean does.
     WorseThanMean,
     /// The recording is not of this robot.
     WrongRobot,
-    /// Gravity comes from elsewhere than the description says.
+    /// Gravity has another direction than in the description.
     GravityDirection,
-    /// The scale of a torque changes over the record.
+    /// The scale of a torque changes over the recording.
     GainDrift,
-    /// The friction of a joint changes over the record.
+    /// The friction of a joint changes over the recording.
     FrictionDrift,
     /// Two recordings share samples.
     SameRecording,
-    /// Recordings are explained apart, and not together.
+    /// Separate fits explain the recordings, a common fit does not.
     RecordingsContradict,
-    /// No robot made of bodies has the estimates.
+    /// The estimates are physically impossible.
     NotPhysical,
-    /// The robot's description says what no robot has.
+    /// The robot's description has physically impossible values.
     RobotDescription,
 }
 
@@ -221,15 +221,15 @@ impl fmt::Display for Code {
     }
 }
 
-/// Something noticed in a recording.
+/// Something found in a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
-    /// What it is.
+    /// Its kind.
     pub code: Code,
     /// How much it matters.
     pub severity: Severity,
-    /// The joint's number, from one, as in the names of its parameters; none where it is about all joints. With mimic
-    /// joints in front it is larger than the number of its channel.
+    /// The joint's number, from one, as in the names of its parameters; none if the finding is about all joints. Mimic joints
+    /// before it make it larger than the number of its channel.
     pub joint: Option<usize>,
     /// The joint's name.
     pub joint_name: Option<String>,
@@ -237,25 +237,25 @@ pub struct Finding {
     pub value: f64,
     /// The unit of the evidence and of its limit.
     pub unit: String,
-    /// What the evidence was compared with.
+    /// The limit of the evidence.
     pub limit: Option<f64>,
-    /// What was seen, in a sentence with the number.
+    /// What was found, in a sentence with the number.
     pub message: String,
     /// What to do, in a sentence.
     pub remedy: String,
-    /// The parameters concerned.
+    /// The parameters it is about.
     pub parameters: Vec<String>,
 }
 
 /// A number that was compared with a limit, whether or not it led to a finding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measure {
-    /// What it is evidence for.
+    /// The kind of finding that it is evidence for.
     pub code: Code,
     /// The joint's number, as in [`Finding`].
     pub joint: Option<usize>,
     /// The evidence.
     pub value: f64,
-    /// What it is compared with: above it, there is a finding.
+    /// Evidence above this limit makes a finding.
     pub limit: f64,
 }

@@ -1,28 +1,28 @@
-//! What friction must be, and what the model must explain.
+//! Negative friction, and torques that the model does not explain.
 
 use super::{
     affine::Affine,
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     orthogonal_fit::OrthogonalFit,
-    thinned_record::ThinnedRecord,
+    thinned_recording::ThinnedRecording,
 };
 use thetahat_ground::linear_algebra::{PivotedQr, dot};
 
-/// Standard deviations by which the power of a joint's friction must be negative.
+/// Standard deviations below zero at which the power of a joint's friction counts as negative.
 pub(super) const NEGATIVE_LIMIT: f64 = 10.0;
-/// A change of sign may make the squared residual larger by this factor and still be the cause of negative friction.
+/// A change of sign counts as the cause of negative friction if it increases the squared residual by at most this factor.
 const AS_GOOD: f64 = 1.02;
-/// Relative error of the whole fit, percent. The clean records have at most 6.3, noisy twins 10.
+/// Relative error of the whole fit, percent. The clean recordings have at most 6.3, noisy twins 10.
 const WHOLE_LIMIT_PERCENT: f64 = 20.0;
-/// Rms residual of a joint, percent of the deviation of its torque: nothing of it is explained. The
-/// recorded KUKA has 48 at a joint whose torque is all but zero (clean).
+/// Rms residual of a joint, percent of the standard deviation of its torque, above which the model explains none of it. The
+/// recorded KUKA has 48 at a joint with a torque near zero (clean).
 const JOINT_LIMIT_PERCENT: f64 = 90.0;
 
-/// Corrects signs that friction shows to be wrong.
-pub(super) fn check(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) {
-    let Ok(fit) = record.fit() else { return };
-    let power = power(record, &fit);
+/// Corrects wrong signs that negative friction reveals.
+pub(super) fn check(exam: &mut Examination<'_>, recording: &mut ThinnedRecording<'_>) {
+    let Ok(fit) = recording.fit() else { return };
+    let power = power(recording, &fit);
     let negative: Vec<usize> = (0..power.len()).filter(|&j| power[j] < -NEGATIVE_LIMIT).collect();
     let everywhere = negative.len() > 1 && power.iter().all(|p| *p < 0.0);
     for (j, p) in power.iter().enumerate() {
@@ -38,88 +38,97 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) 
         if value <= NEGATIVE_LIMIT {
             continue;
         }
-        let (code, correction, cause) = cause(record, &fit, j, everywhere);
+        let SignCause { code, correction, text: cause } = cause(recording, &fit, j, everywhere);
         evidence.code = code;
         let message = format!(
-            "joint {}: friction would drive the joint, by {value:.0} standard deviations of its power; {cause}",
+            "joint {}: friction is negative (its power by {value:.0} standard deviations); {cause}",
             exam.subject.joint_number(j)
         );
-        let remedy = "turn the sign of the channel by its gain, or the row of the motor in [transmission] matrix";
-        let words = Words::new(message, remedy).about(friction_parameters(record, j));
-        exam.raise(evidence, Severity::Problem, words);
-        correction.iter().for_each(|correction| record.correct(correction));
+        let remedy = "change the sign of the channel's gain, or of the motor's row in [transmission] matrix";
+        let text = FindingText::new(message, remedy).about(friction_parameters(recording, j));
+        exam.raise(evidence, Severity::Problem, text);
+        correction.iter().for_each(|correction| recording.correct(correction));
     }
-    poor_fit(exam, &record.of_estimated());
+    poor_fit(exam, &recording.with_estimated_parameters());
 }
 
-/// What makes a joint's friction negative: its torque's sign, its position's sign, or neither.
-fn cause(
-    record: &ThinnedRecord<'_>,
-    fit: &OrthogonalFit,
-    j: usize,
-    everywhere: bool,
-) -> (Code, Option<Affine>, String) {
-    let flip: Vec<f64> = (0..record.coordinates()).map(|i| if i == j { -1.0 } else { 1.0 }).collect();
+/// The cause of negative friction, and its correction if there is one.
+struct SignCause {
+    code: Code,
+    correction: Option<Affine>,
+    text: &'static str,
+}
+
+/// What makes a joint's friction negative: the sign of its torque, the sign of its position, or neither.
+fn cause(recording: &ThinnedRecording<'_>, fit: &OrthogonalFit, j: usize, everywhere: bool) -> SignCause {
+    let flip: Vec<f64> = (0..recording.coordinates()).map(|i| if i == j { -1.0 } else { 1.0 }).collect();
     let torque = Affine::scaled_torques(&flip);
     if everywhere {
-        return (Code::TorqueSign, Some(torque), "so it is in all joints: the torques have the other sign".to_owned());
+        let text = "all joints have negative friction: the torques have the opposite sign";
+        return SignCause { code: Code::TorqueSign, correction: Some(torque), text };
     }
-    let position = Affine::scaled_positions(&flip, record.subject.robot.transmission.offset());
-    let squares = |correction: &Affine| corrected_squares(record, correction) / fit.squares;
+    let position = Affine::scaled_positions(&flip, recording.subject.robot.transmission.offset());
+    let squares = |correction: &Affine| corrected_squares(recording, correction) / fit.squares;
     let (with_torque, with_position) = (squares(&torque), squares(&position));
     if with_torque.min(with_position) > AS_GOOD {
-        return (Code::NegativeFriction, None, "but no change of sign fits as well".to_owned());
+        let text = "no change of sign fits as well";
+        return SignCause { code: Code::NegativeFriction, correction: None, text };
     }
     if with_position < with_torque / AS_GOOD {
-        return (Code::PositionSign, Some(position), "the position has the other sign".to_owned());
+        let text = "the position has the opposite sign";
+        return SignCause { code: Code::PositionSign, correction: Some(position), text };
     }
-    (Code::TorqueSign, Some(torque), "the torque, or the position, has the other sign".to_owned())
+    let text = "the torque, or the position, has the opposite sign";
+    SignCause { code: Code::TorqueSign, correction: Some(torque), text }
 }
 
-fn corrected_squares(record: &ThinnedRecord<'_>, correction: &Affine) -> f64 {
-    record.corrected(correction).fit().map_or(f64::INFINITY, |r| r.squares)
+fn corrected_squares(recording: &ThinnedRecording<'_>, correction: &Affine) -> f64 {
+    recording.corrected(correction).fit().map_or(f64::INFINITY, |r| r.squares)
 }
 
-/// Mean power that friction takes from each joint, in standard deviations of its estimate.
-pub(super) fn power(record: &ThinnedRecord<'_>, fit: &OrthogonalFit) -> Vec<f64> {
+/// Mean power that each joint loses to friction, in standard deviations of its estimate.
+pub(super) fn power(recording: &ThinnedRecording<'_>, fit: &OrthogonalFit) -> Vec<f64> {
     let theta = fit.theta();
     let independent = &fit.qr.pivots()[..fit.rank];
     let covariance = PivotedQr::new(&fit.x.select_columns(independent)).inverse_gram();
-    let of_joint = |j: usize| {
-        let per_parameter = power_per_parameter(record, fit, j);
+    let in_deviations = |j: usize| {
+        let per_parameter = power_per_parameter(recording, fit, j);
         let mean = dot(&per_parameter, &theta);
         let part: Vec<f64> = independent.iter().map(|&c| per_parameter[c]).collect();
         let variance = fit.variance() * dot(&part, &covariance.times(&part));
         if variance > 0.0 { mean / variance.sqrt() } else { 0.0 }
     };
-    (0..record.coordinates()).map(of_joint).collect()
+    (0..recording.coordinates()).map(in_deviations).collect()
 }
 
-/// Mean power of joint `j`, times its weight, for a unit of each friction parameter.
-fn power_per_parameter(record: &ThinnedRecord<'_>, fit: &OrthogonalFit, j: usize) -> Vec<f64> {
-    let rows = record.rows();
-    let velocity: Vec<f64> = record.kept.iter().map(|&k| record.motion.dq.sample(k)[j]).collect();
-    let of = |c: usize| dot(&velocity, &fit.x.column(c)[j * rows..(j + 1) * rows]) / rows as f64;
-    (0..fit.x.columns()).map(|c| if record.is_friction(c) { of(c) } else { 0.0 }).collect()
+/// Mean power of joint `j`, times its weight, per unit of each friction parameter.
+fn power_per_parameter(recording: &ThinnedRecording<'_>, fit: &OrthogonalFit, j: usize) -> Vec<f64> {
+    let rows = recording.rows();
+    let velocity: Vec<f64> = recording.kept.iter().map(|&k| recording.motion.dq.sample(k)[j]).collect();
+    let mean_power = |c: usize| dot(&velocity, &fit.x.column(c)[j * rows..(j + 1) * rows]) / rows as f64;
+    (0..fit.x.columns()).map(|c| if recording.is_friction(c) { mean_power(c) } else { 0.0 }).collect()
 }
 
-fn friction_parameters(record: &ThinnedRecord<'_>, j: usize) -> Vec<String> {
-    let own = record.subject.parameters_of(j);
-    let kind = |kept: usize| record.subject.model.parameter_table().get(kept).quantity;
+fn friction_parameters(recording: &ThinnedRecording<'_>, j: usize) -> Vec<String> {
+    let own = recording.subject.parameters_of(j);
+    let kind = |kept: usize| recording.subject.model.parameter_table().get(kept).quantity;
     own.filter(|(_, p)| kind(p.kept).is_friction()).map(|(_, p)| p.name.clone()).collect()
 }
 
-fn poor_fit(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
-    let Ok(fit) = record.fit() else { return };
+fn poor_fit(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>) {
+    let Ok(fit) = recording.fit() else { return };
     let value = 100.0 * fit.relative_error();
     let evidence =
         Evidence { code: Code::PoorFit, coordinate: None, value, unit: "% of the torques", limit: WHOLE_LIMIT_PERCENT };
-    let remedy = "look at the other findings; else at the robot's geometry, the order of the joints, and loads that are \
-                  not in the model";
+    let remedy = "fix the other findings first; if there are none, check the robot's geometry, the order of the joints, and \
+                  loads that are not in the model";
     exam.judge(evidence, Severity::Warning, || {
-        Words::new(format!("the model with its best parameters leaves {value:.0} % of the torques unexplained"), remedy)
+        FindingText::new(
+            format!("the model with its best parameters leaves {value:.0} % of the torques unexplained"),
+            remedy,
+        )
     });
-    for j in 0..record.coordinates() {
+    for j in 0..recording.coordinates() {
         let value = 100.0 * fit.joint_error(j);
         let evidence = Evidence {
             code: Code::PoorFit,
@@ -130,8 +139,8 @@ fn poor_fit(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
         };
         let number = exam.subject.joint_number(j);
         exam.judge(evidence, Severity::Warning, || {
-            let message = format!("joint {number}: the model explains nothing of its torque ({value:.0} % is left)");
-            Words::new(message, remedy)
+            let message = format!("joint {number}: the model does not explain the torque (it leaves {value:.0} % of its standard deviation)");
+            FindingText::new(message, remedy)
         });
     }
 }

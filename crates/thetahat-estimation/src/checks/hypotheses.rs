@@ -1,4 +1,4 @@
-//! The ways in which a record is known to go wrong, and how each is put right.
+//! The known faults of recordings, and their corrections.
 
 use super::{
     affine::{Affine, diagonal},
@@ -6,30 +6,30 @@ use super::{
 };
 use thetahat_model::robot::{JointKind, Robot};
 
-/// How many times smaller a correction of all joints must make the squared residual; also one of a zero. Such
-/// corrections are few; on the clean records the best makes it no smaller (1.00).
+/// Factor by which a correction of all joints, or of a zero, must reduce the squared residual. There are few such corrections;
+/// on the clean recordings the best one has 1.00.
 const COMMON_LIMIT: f64 = 1.15;
-/// The same for a correction of one joint: at most 1.12 on the clean records.
+/// The same for a correction of one joint; the clean recordings have at most 1.12.
 const SINGLE_LIMIT: f64 = 1.5;
-/// The same for exchanges and for two signs at once, of which there are many: at most 1.50 on the clean records.
+/// The same for exchanges and for two signs at once, of which there are many; the clean recordings have at most 1.50.
 const MANY_LIMIT: f64 = 2.0;
 
-/// A way in which a record goes wrong, and its correction.
+/// A possible fault of a recording, and its correction.
 pub(super) struct Hypothesis {
     pub(super) code: Code,
-    /// From zero; none for all of them.
+    /// From zero; `None` for all coordinates.
     pub(super) coordinate: Option<usize>,
     pub(super) correction: Affine,
-    /// How many times smaller it must make the squared residual.
+    /// Factor by which it must reduce the squared residual.
     pub(super) limit: f64,
     /// Whether it changes the sign of the joint's power.
     pub(super) flips_power: bool,
-    /// What is wrong, to follow "the torques fit ... better if".
-    pub(super) words: String,
+    /// The fault, to follow "the torques fit ... better if".
+    pub(super) text: String,
     pub(super) remedy: String,
 }
 
-/// Which coordinates a correction is about.
+/// The coordinates of a correction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Scope {
     All,
@@ -37,13 +37,13 @@ enum Scope {
 }
 
 impl Scope {
-    /// All coordinates together, and each by itself where there are several.
-    fn of(robot: &Robot) -> impl Iterator<Item = Self> {
+    /// All coordinates together, and each alone if there are several.
+    fn all_of(robot: &Robot) -> impl Iterator<Item = Self> {
         let n = robot.coordinate_count();
         std::iter::once(Self::All).chain((0..n).filter(move |_| n > 1).map(Self::One))
     }
 
-    fn holds(self, coordinate: usize) -> bool {
+    fn contains(self, coordinate: usize) -> bool {
         match self {
             Self::All => true,
             Self::One(own) => own == coordinate,
@@ -59,10 +59,10 @@ impl Scope {
 
     /// A value for each coordinate in the scope, one for the others.
     fn select(self, robot: &Robot, value: &dyn Fn(usize) -> f64) -> Vec<f64> {
-        (0..robot.coordinate_count()).map(|j| if self.holds(j) { value(j) } else { 1.0 }).collect()
+        (0..robot.coordinate_count()).map(|j| if self.contains(j) { value(j) } else { 1.0 }).collect()
     }
 
-    fn whose(self, robot: &Robot) -> String {
+    fn possessive(self, robot: &Robot) -> String {
         match self {
             Self::All => "every joint's".to_owned(),
             Self::One(coordinate) => format!("joint {}'s", robot.joint_of(coordinate) + 1),
@@ -71,7 +71,7 @@ impl Scope {
 }
 
 impl Hypothesis {
-    fn new(code: Code, scope: Scope, correction: Affine, words: String, remedy: impl Into<String>) -> Self {
+    fn new(code: Code, scope: Scope, correction: Affine, text: String, remedy: impl Into<String>) -> Self {
         let limit = match scope {
             Scope::All => COMMON_LIMIT,
             Scope::One(_) => SINGLE_LIMIT,
@@ -82,7 +82,7 @@ impl Hypothesis {
             correction,
             limit,
             flips_power: false,
-            words,
+            text,
             remedy: remedy.into(),
         }
     }
@@ -106,7 +106,7 @@ pub(super) fn hypotheses(robot: &Robot) -> Vec<Hypothesis> {
     all
 }
 
-const SIGN: &str = "turn the sign of the channel by its gain, or of the row of the motor in [transmission] matrix";
+const SIGN: &str = "change the sign of the channel's gain, or of the motor's row in [transmission] matrix";
 const UNIT: &str = "set the unit of the channel in [recording]";
 const SIDE: &str = "set side = \"motor\" or \"joint\" of the channel in [recording], or the ratios in [transmission]";
 
@@ -118,26 +118,26 @@ fn units(robot: &Robot) -> Vec<Hypothesis> {
     };
     let scaled = |factor: Vec<f64>| Affine::scaled_positions(&factor, &vec![0.0; factor.len()]);
     let both = |scope: Scope| {
-        let whose = scope.whose(robot);
-        let down = format!("{whose} position is taken from degrees (or mm), not from rad (or m)");
-        let up = format!("{whose} position is taken as rad (or m): it was converted from degrees (or mm) twice");
+        let whose = scope.possessive(robot);
+        let down = format!("{whose} position is in degrees (or mm), not in rad (or m)");
+        let up = format!("{whose} position is in rad (or m) already: it was converted from degrees (or mm) twice");
         let by_down = scaled(scope.select(robot, &factor));
         let by_up = scaled(scope.select(robot, &|j| 1.0 / factor(j)));
-        [(by_down, down), (by_up, up)].map(|(c, words)| Hypothesis::new(Code::PositionScale, scope, c, words, UNIT))
+        [(by_down, down), (by_up, up)].map(|(c, text)| Hypothesis::new(Code::PositionScale, scope, c, text, UNIT))
     };
-    Scope::of(robot).flat_map(both).collect()
+    Scope::all_of(robot).flat_map(both).collect()
 }
 
 /// Motor side and joint side, where they differ.
 fn sides(robot: &Robot) -> Vec<Hypothesis> {
     let is_geared = |j: usize| ratio(robot, j) != 1.0 && ratio(robot, j) != 0.0;
-    let geared = |scope: &Scope| (0..robot.coordinate_count()).any(|j| scope.holds(j) && is_geared(j));
+    let geared = |scope: &Scope| (0..robot.coordinate_count()).any(|j| scope.contains(j) && is_geared(j));
     let sides = |scope: Scope| {
         let mut both = sides_of_positions(robot, scope);
         both.extend(sides_of_torques(robot, scope));
         both
     };
-    Scope::of(robot).filter(geared).flat_map(sides).collect()
+    Scope::all_of(robot).filter(geared).flat_map(sides).collect()
 }
 
 /// Motor positions per joint position of a coordinate, without the coupling.
@@ -146,24 +146,24 @@ fn ratio(robot: &Robot, j: usize) -> f64 {
 }
 
 fn sides_of_positions(robot: &Robot, scope: Scope) -> Vec<Hypothesis> {
-    let whose = scope.whose(robot);
+    let whose = scope.possessive(robot);
     let (to_joint, to_motor) = match scope {
         Scope::All => (motor_to_joint(robot), joint_to_motor(robot)),
         Scope::One(j) => (Some(one_to_joint(robot, j)), one_to_motor(robot, j)),
     };
-    let motor = to_joint.map(|c| (c, format!("{whose} position is taken from the motor side")));
-    let twice = format!("{whose} position is taken as it is on the joint side: it went through the gear twice");
+    let motor = to_joint.map(|c| (c, format!("{whose} position is on the motor side")));
+    let twice = format!("{whose} position is on the joint side already: it was converted by the gear twice");
     let corrections = motor.into_iter().chain([(to_motor, twice)]);
-    corrections.map(|(c, words)| Hypothesis::new(Code::PositionScale, scope, c, words, SIDE)).collect()
+    corrections.map(|(c, text)| Hypothesis::new(Code::PositionScale, scope, c, text, SIDE)).collect()
 }
 
 fn sides_of_torques(robot: &Robot, scope: Scope) -> [Hypothesis; 2] {
-    let whose = scope.whose(robot);
+    let whose = scope.possessive(robot);
     let up = Affine::scaled_torques(&scope.select(robot, &|j| ratio(robot, j)));
     let down = Affine::scaled_torques(&scope.select(robot, &|j| 1.0 / ratio(robot, j)));
-    let motor = format!("{whose} torque is taken from the motor side");
-    let twice = format!("{whose} torque is taken as it is on the joint side: it went through the gear twice");
-    [(up, motor), (down, twice)].map(|(c, words)| Hypothesis::new(Code::TorqueScale, scope, c, words, SIDE))
+    let motor = format!("{whose} torque is on the motor side");
+    let twice = format!("{whose} torque is on the joint side already: it was converted by the gear twice");
+    [(up, motor), (down, twice)].map(|(c, text)| Hypothesis::new(Code::TorqueScale, scope, c, text, SIDE))
 }
 
 /// `q_j' = q_j / N_jj + o_j`.
@@ -206,22 +206,22 @@ fn zeros(robot: &Robot) -> Vec<Hypothesis> {
         return Vec::new();
     }
     let shifted = |scope: Scope, sign: f64| {
-        let entry = |(j, o): (usize, &f64)| if scope.holds(j) { sign * o } else { 0.0 };
+        let entry = |(j, o): (usize, &f64)| if scope.contains(j) { sign * o } else { 0.0 };
         Affine::shifted(offset.iter().enumerate().map(entry).collect())
     };
-    let remedy = "check offset_deg in [transmission], and whether the positions already hold it";
+    let remedy = "check offset_deg in [transmission], and whether the positions already contain it";
     let both = |scope: Scope| {
-        [(1.0, "is added to"), (-1.0, "is taken from")].map(|(sign, verb)| {
-            let words = format!("the transmission's offset {verb} {} position", scope.whose(robot));
+        [(1.0, "is added to"), (-1.0, "is subtracted from")].map(|(sign, verb)| {
+            let text = format!("the transmission's offset {verb} {} position", scope.possessive(robot));
             let correction = shifted(scope, sign);
-            Hypothesis::new(Code::PositionZero, scope, correction, words, remedy).with_limit(COMMON_LIMIT)
+            Hypothesis::new(Code::PositionZero, scope, correction, text, remedy).with_limit(COMMON_LIMIT)
         })
     };
     let with_offset = (0..offset.len()).filter(|&j| offset[j] != 0.0).map(Scope::One);
     std::iter::once(Scope::All).chain(with_offset).flat_map(both).collect()
 }
 
-/// Each joint's position or torque with the other sign.
+/// Each joint's position, torque or both with the opposite sign.
 fn signs(robot: &Robot) -> Vec<Hypothesis> {
     let offset = robot.transmission.offset();
     let sign = |j: usize| {
@@ -231,13 +231,13 @@ fn signs(robot: &Robot) -> Vec<Hypothesis> {
         let position = Affine::scaled_positions(&flip, offset);
         let both = Affine { torque: torque.torque.clone(), ..position.clone() };
         let number = robot.joint_of(j) + 1;
-        let torque_words = format!("the torque of joint {number} has the other sign");
-        let position_words = format!("the position of joint {number} has the other sign");
-        let both_words = format!("position and torque of joint {number} have the other sign");
+        let torque_text = format!("the torque of joint {number} has the opposite sign");
+        let position_text = format!("the position of joint {number} has the opposite sign");
+        let both_text = format!("position and torque of joint {number} have the opposite sign");
         [
-            Hypothesis::new(Code::TorqueSign, scope, torque, torque_words, SIGN).flipping(),
-            Hypothesis::new(Code::PositionSign, scope, position, position_words, SIGN).flipping(),
-            Hypothesis::new(Code::PositionSign, scope, both, both_words, SIGN).with_limit(MANY_LIMIT),
+            Hypothesis::new(Code::TorqueSign, scope, torque, torque_text, SIGN).flipping(),
+            Hypothesis::new(Code::PositionSign, scope, position, position_text, SIGN).flipping(),
+            Hypothesis::new(Code::PositionSign, scope, both, both_text, SIGN).with_limit(MANY_LIMIT),
         ]
     };
     (0..robot.coordinate_count()).flat_map(sign).collect()
@@ -246,7 +246,7 @@ fn signs(robot: &Robot) -> Vec<Hypothesis> {
 /// Positions, torques or both of each pair exchanged.
 fn exchanges(robot: &Robot) -> Vec<Hypothesis> {
     let n = robot.coordinate_count();
-    let of_pair = move |a: usize, b: usize| {
+    let exchange = move |a: usize, b: usize| {
         let positions = Affine::exchanged_positions(n, a, b);
         let torques = Affine::exchanged_torques(n, a, b);
         let both = Affine { torque: torques.torque.clone(), ..positions.clone() };
@@ -258,9 +258,9 @@ fn exchanges(robot: &Robot) -> Vec<Hypothesis> {
         let (first, second) = (robot.joint_of(a) + 1, robot.joint_of(b) + 1);
         kinds.map(|(correction, what, columns)| {
             let remedy = format!("exchange the {columns} of joints {first} and {second} in the experiment file");
-            let words = format!("{what} of joints {first} and {second} are exchanged");
-            Hypothesis::new(Code::JointsSwapped, Scope::One(a), correction, words, remedy).with_limit(MANY_LIMIT)
+            let text = format!("{what} of joints {first} and {second} are exchanged");
+            Hypothesis::new(Code::JointsSwapped, Scope::One(a), correction, text, remedy).with_limit(MANY_LIMIT)
         })
     };
-    (0..n).flat_map(|a| (a + 1..n).flat_map(move |b| of_pair(a, b))).collect()
+    (0..n).flat_map(|a| (a + 1..n).flat_map(move |b| exchange(a, b))).collect()
 }

@@ -1,6 +1,6 @@
 //! The search for lags: whole steps first, then Gauss-Newton.
 
-use super::{numbers::block_score, orthogonal_fit::OrthogonalFit, thinned_record::ThinnedRecord};
+use super::{numbers::block_score, orthogonal_fit::OrthogonalFit, thinned_recording::ThinnedRecording};
 use crate::signal::{central_difference, delayed};
 use thetahat_ground::{
     linear_algebra::{Matrix, PivotedQr, dot},
@@ -18,72 +18,82 @@ const ITERATIONS: usize = 10;
 /// Change of a lag, in steps, at which Gauss-Newton ends: a hundredth of a sample where a step is ten samples.
 const CONVERGED: f64 = 1e-3;
 
-/// Mean squared slope, relative to the torque's variance, of which nothing can be told: rounding.
-const TOLD: f64 = 1e-20;
+/// Mean squared slope, relative to the torque's variance, below which it is rounding.
+const SMALLEST_SLOPE: f64 = 1e-20;
 
-/// Lags in steps of the record, with their standard deviations by blocks of time: infinite where nothing tells of one.
+/// Lags in steps of the thinned recording, with their standard deviations from blocks of time; infinite for a joint without
+/// information.
 pub(super) struct Lags {
     pub(super) steps: Vec<f64>,
     pub(super) deviation: Vec<f64>,
 }
 
-/// A record and its fits, to search in.
-pub(super) struct Search<'a, 'b> {
-    pub(super) record: &'a ThinnedRecord<'b>,
-    /// The fit of the parameters, whose predicted torque is the one that is late.
+/// A recording and its fits, to search in.
+pub(super) struct LagSearch<'a, 'b> {
+    pub(super) recording: &'a ThinnedRecording<'b>,
+    /// The fit of the parameters alone; its predicted torque is late.
     pub(super) parameters: &'a OrthogonalFit,
-    /// The fit beside which a lag must explain something.
-    pub(super) beside: &'a OrthogonalFit,
+    /// The fit with the friction shapes, which a lag must improve.
+    pub(super) with_shapes: &'a OrthogonalFit,
 }
 
-impl Search<'_, '_> {
+/// Which lags are free.
+#[derive(Debug, Clone, Copy)]
+enum Joints {
+    /// One lag for each joint.
+    Each,
+    /// One lag for all joints.
+    Together,
+}
+
+impl LagSearch<'_, '_> {
     fn steps(&self) -> impl Iterator<Item = isize> + use<> {
-        let most = (LONGEST_S * self.record.rate_hz).ceil().min(MOST_STEPS as f64) as isize;
+        let most = (LONGEST_S * self.recording.rate_hz).ceil().min(MOST_STEPS as f64) as isize;
         (-most..=most).filter(|s| s % COARSE == 0)
     }
 
     /// The rows of the torque some whole steps later.
     fn later(&self, step: isize) -> Vec<f64> {
-        let torque = &self.record.torque;
+        let torque = &self.recording.torque;
         let last = torque.len() as isize - 1;
         let at = |k: usize, j: usize| torque.sample((k as isize + step).clamp(0, last) as usize)[j];
-        (0..torque.channels()).flat_map(|j| self.record.kept.iter().map(move |&k| at(k, j))).collect()
+        (0..torque.channels()).flat_map(|j| self.recording.kept.iter().map(move |&k| at(k, j))).collect()
     }
 
-    /// The lag of each joint with the others as they are.
-    pub(super) fn of_each(&self) -> Option<Lags> {
-        let joints = self.record.coordinates();
+    /// The lag of each joint with the others unchanged.
+    pub(super) fn lag_of_each_joint(&self) -> Option<Lags> {
+        let joints = self.recording.coordinates();
         let mut best = vec![(0, f64::INFINITY); joints];
         for step in self.steps() {
             let rows = self.later(step);
             for (j, best) in best.iter_mut().enumerate() {
-                let squares = self.beside.squares_with(&rows, j);
+                let squares = self.with_shapes.squares_with(&rows, j);
                 if squares < best.1 {
                     *best = (step, squares);
                 }
             }
         }
-        self.refined(best.into_iter().map(|b| b.0 as f64).collect(), false)
+        self.refined(best.into_iter().map(|b| b.0 as f64).collect(), Joints::Each)
     }
 
     /// The lag of all joints together.
-    pub(super) fn of_all(&self) -> Option<Lags> {
+    pub(super) fn common_lag(&self) -> Option<Lags> {
         let squares = |step: isize| {
-            let rest = self.beside.unexplained(&self.later(step));
+            let rest = self.with_shapes.unexplained(&self.later(step));
             dot(&rest, &rest)
         };
         let best = self.steps().map(|s| (s, squares(s))).min_by(|a, b| a.1.total_cmp(&b.1));
-        self.refined(vec![best.map_or(0.0, |b| b.0 as f64); self.record.coordinates()], true)
+        self.refined(vec![best.map_or(0.0, |b| b.0 as f64); self.recording.coordinates()], Joints::Together)
     }
 
-    /// Gauss-Newton from whole lags, of each joint or of all together; none where the record does not tell them.
-    fn refined(&self, mut steps: Vec<f64>, together: bool) -> Option<Lags> {
-        let joints = self.record.coordinates();
-        let most = LONGEST_S * self.record.rate_hz;
+    /// Gauss-Newton from whole lags; `None` if the recording does not determine them.
+    fn refined(&self, mut steps: Vec<f64>, free: Joints) -> Option<Lags> {
+        let joints = self.recording.coordinates();
+        let most = LONGEST_S * self.recording.rate_hz;
         let mut deviation = vec![f64::INFINITY; joints];
         let mut rest = self.residual(&steps);
         for _ in 0..ITERATIONS {
-            let (groups, directions) = self.directions(&steps, together)?;
+            let (groups, directions) = self.directions(&steps, free)?;
             let qr = PivotedQr::new(&directions);
             if groups.is_empty() || qr.rank(1e-9) < directions.columns() {
                 return None;
@@ -92,10 +102,10 @@ impl Search<'_, '_> {
             let influence = directions.times_matrix(&qr.inverse_gram());
             let left: Vec<f64> = rest.iter().zip(directions.times(&change)).map(|(r, d)| r - d).collect();
             for (c, group) in groups.iter().enumerate() {
-                let sure = block_score(influence.column(c), &left, self.record.rows());
+                let uncertainty = block_score(influence.column(c), &left, self.recording.rows());
                 for &j in group {
                     steps[j] = (steps[j] - change[c]).clamp(-most, most);
-                    deviation[j] = sure;
+                    deviation[j] = uncertainty;
                 }
             }
             rest = self.residual(&steps);
@@ -107,37 +117,40 @@ impl Search<'_, '_> {
     }
 
     fn residual(&self, steps: &[f64]) -> Vec<f64> {
-        self.beside.unexplained(&self.record.stack(&shifted(&self.record.torque, steps)))
+        self.with_shapes.unexplained(&self.recording.stack(&shifted(&self.recording.torque, steps)))
     }
 
-    /// The groups of joints with a lag that the record tells, and the derivative of the residual by each lag: the slope of
+    /// The groups of joints whose lag the recording determines, and the derivative of the residual by each lag: the slope of
     /// the predicted torque.
-    fn directions(&self, steps: &[f64], together: bool) -> Option<(Vec<Vec<usize>>, Matrix)> {
-        let record = self.record;
-        let stacked = record.stack(&shifted(&record.torque, steps));
+    fn directions(&self, steps: &[f64], free: Joints) -> Option<(Vec<Vec<usize>>, Matrix)> {
+        let recording = self.recording;
+        let stacked = recording.stack(&shifted(&recording.torque, steps));
         let theta = self.parameters.theta_of(&stacked);
-        let smooth = record.decimator.filter(&record.predict(&record.motion, &theta)).ok()?;
-        let slope = record.stack(&central_difference(&smooth, 1.0));
-        let rows = record.rows();
+        let smooth = recording.decimator.filter(&recording.predict(&recording.motion, &theta)).ok()?;
+        let slope = recording.stack(&central_difference(&smooth, 1.0));
+        let rows = recording.rows();
         let part = |group: &Vec<usize>| -> Vec<f64> {
             let own = slope.iter().enumerate().map(|(i, s)| if group.contains(&(i / rows)) { *s } else { 0.0 });
-            self.beside.unexplained(&own.collect::<Vec<_>>())
+            self.with_shapes.unexplained(&own.collect::<Vec<_>>())
         };
-        let all = 0..record.coordinates();
-        let groups: Vec<Vec<usize>> = if together { vec![all.collect()] } else { all.map(|j| vec![j]).collect() };
+        let all = 0..recording.coordinates();
+        let groups: Vec<Vec<usize>> = match free {
+            Joints::Together => vec![all.collect()],
+            Joints::Each => all.map(|j| vec![j]).collect(),
+        };
         let columns = groups.into_iter().map(|group| (part(&group), group));
-        let told = columns.filter(|(column, _)| dot(column, column) > TOLD * rows as f64);
-        let (columns, groups): (Vec<_>, Vec<_>) = told.unzip();
+        let informative = columns.filter(|(column, _)| dot(column, column) > SMALLEST_SLOPE * rows as f64);
+        let (columns, groups): (Vec<_>, Vec<_>) = informative.unzip();
         let matrix = Matrix::from_fn(slope.len(), columns.len(), |i, c| columns[c][i]);
         Some((groups, matrix))
     }
 
     pub(super) fn joint_squares(&self, rest: &[f64]) -> Vec<f64> {
-        rest.chunks(self.record.rows()).map(|r| dot(r, r)).collect()
+        rest.chunks(self.recording.rows()).map(|r| dot(r, r)).collect()
     }
 }
 
-/// The series with channel j read `steps[j]` later, which undoes a lag of so many steps.
+/// The series with channel j shifted by `steps[j]`, which corrects a lag of so many steps.
 pub(super) fn shifted(series: &Series, steps: &[f64]) -> Series {
     delayed(series, &steps.iter().map(|step| -step).collect::<Vec<_>>())
 }

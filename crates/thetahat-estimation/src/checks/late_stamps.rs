@@ -1,9 +1,9 @@
-//! Whose instants the time stamps are: those of the samples, or those of their arrival.
+//! Whether the time stamps are the times of sampling or of arrival.
 //!
-//! A sample that was taken at `u` and stamped at `u + d` stands at the wrong place of a record that is brought to equal steps by
-//! its stamps: its position there is `q(t - d) = q(t) - d dq(t)`. Where the true steps are equal, `d` is known from the stamps.
-//! What is rough in the positions is then `-f` times the roughness of `d dq`: f is 1 where the stamps are those of the arrival,
-//! and 0 where the samples were taken when their stamps say.
+//! A recording is resampled to equal steps by its time stamps. A sample taken at `u` and stamped at `u + d` then has the wrong
+//! time: its position is `q(t - d) = q(t) - d dq(t)`. If the true steps are equal, `d` is known from the stamps. The roughness
+//! of the positions is then `-f` times the roughness of `d dq`: f is 1 if the stamps are times of arrival, and 0 if they are
+//! times of sampling.
 
 use std::ops::Range;
 
@@ -11,60 +11,60 @@ use super::subject::Subject;
 
 /// Weights of the fourth difference: of a motion at a hundredth of the rate it leaves a hundred-thousandth.
 const FOURTH: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];
-/// Blocks of time by which the factor's standard deviation is found.
+/// Blocks of time for the standard deviation of the factor.
 const BLOCKS: usize = 10;
-/// Standard deviation of the factor from which on the positions do not tell.
+/// Standard deviation of the factor above which the positions do not decide.
 const UNSURE: f64 = 0.1;
-/// How far from 0 or 1 the factor may be.
+/// Largest difference of the factor from 0 or 1.
 const CLEAR: f64 = 0.25;
-/// Steps around samples without a stamp that are not looked at.
+/// Steps around samples without a stamp that are not used.
 const AROUND: usize = 8;
 
-/// Whose instants the stamps are.
+/// The meaning of the time stamps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Stamped {
-    /// Those of the samples.
+pub(super) enum StampMeaning {
+    /// Times of sampling.
     Sampling,
-    /// Those of the arrival of samples that were taken at equal steps.
+    /// Times of arrival of samples that were taken at equal steps.
     Arrival,
-    /// The positions do not tell.
+    /// The positions do not decide.
     Unknown,
 }
 
-/// Whose instants the stamps are, by the positions at equal steps in the window.
-pub(super) fn stamped(subject: &Subject<'_>, time: &[f64]) -> Stamped {
+/// The meaning of the time stamps, from the positions at equal steps in the window.
+pub(super) fn stamp_meaning(subject: &Subject<'_>, time: &[f64]) -> StampMeaning {
     let window = subject.signal.window.clone();
     let late = &lateness(time, subject.position.len())[window.clone()];
     let rows = rows(subject.left_out, window.len());
     let position = subject.position.window(window);
     let mut sums = Sums::default();
     (0..position.channels()).for_each(|j| sums.add(&position.channel(j), late, &rows));
-    sums.stamped()
+    sums.meaning()
 }
 
-/// How much later than equal steps the stamps around each of them are, in steps.
+/// How much later than equal steps the stamps are around each step, in steps.
 fn lateness(time: &[f64], samples: usize) -> Vec<f64> {
     let (first, last) = (time[0], time[time.len() - 1]);
     let step = (last - first) / (samples - 1) as f64;
-    let mut place = 0.0;
+    let mut equal_step = 0.0;
     let later = time.windows(2).map(|pair| {
-        place += ((pair[1] - pair[0]) / step).round().max(1.0);
-        (pair[1] - first) / step - place
+        equal_step += ((pair[1] - pair[0]) / step).round().max(1.0);
+        (pair[1] - first) / step - equal_step
     });
     let late: Vec<f64> = std::iter::once(0.0).chain(later).collect();
-    let mut behind = 0;
+    let mut before = 0;
     let at = |k: usize| {
         let t = first + step * k as f64;
-        while behind + 2 < time.len() && time[behind + 1] <= t {
-            behind += 1;
+        while before + 2 < time.len() && time[before + 1] <= t {
+            before += 1;
         }
-        let part = ((t - time[behind]) / (time[behind + 1] - time[behind])).clamp(0.0, 1.0);
-        late[behind] + part * (late[behind + 1] - late[behind])
+        let part = ((t - time[before]) / (time[before + 1] - time[before])).clamp(0.0, 1.0);
+        late[before] + part * (late[before + 1] - late[before])
     };
     (0..samples).map(at).collect()
 }
 
-/// The first samples of the fourth differences that hold no sample that is left out, nor any beside one.
+/// The first samples of the fourth differences without samples that are left out or next to such.
 fn rows(left_out: &[Range<usize>], samples: usize) -> Vec<usize> {
     let mut near = vec![false; samples];
     for range in left_out {
@@ -81,9 +81,9 @@ fn fourth_difference(x: impl Fn(usize) -> f64, k: usize) -> f64 {
 /// Sums over the joints, by block of time; each joint's roughness has a mean square of one.
 #[derive(Default)]
 struct Sums {
-    /// The roughness of the position times that of what the stamps make of it.
+    /// The roughness of the position times that of the position error of the stamps.
     cross: [f64; BLOCKS],
-    /// The square of the latter.
+    /// The square of the latter roughness.
     square: [f64; BLOCKS],
 }
 
@@ -105,16 +105,16 @@ impl Sums {
         }
     }
 
-    fn stamped(&self) -> Stamped {
+    fn meaning(&self) -> StampMeaning {
         let square: f64 = self.square.iter().sum();
         let factor = -self.cross.iter().sum::<f64>() / square;
         let scores = self.cross.iter().zip(&self.square).map(|(cross, square)| cross + factor * square);
         let deviation = scores.map(|s| s * s).sum::<f64>().sqrt() / square;
-        let is_sure = deviation < UNSURE;
-        match (is_sure && factor.abs() < CLEAR, is_sure && (factor - 1.0).abs() < CLEAR) {
-            (true, _) => Stamped::Sampling,
-            (_, true) => Stamped::Arrival,
-            (false, false) => Stamped::Unknown,
+        let is_precise = deviation < UNSURE;
+        match (is_precise && factor.abs() < CLEAR, is_precise && (factor - 1.0).abs() < CLEAR) {
+            (true, _) => StampMeaning::Sampling,
+            (_, true) => StampMeaning::Arrival,
+            (false, false) => StampMeaning::Unknown,
         }
     }
 }
@@ -133,28 +133,29 @@ mod tests {
         (0.02 * t).sin() + 0.3 * (0.051 * t).cos()
     }
 
-    /// The verdict on samples that were taken at some instants, in steps, and stamped 0.15 steps of noise beside equal steps.
-    fn of(taken: impl Fn(usize) -> f64, position_noise: f64) -> Stamped {
+    /// The meaning found for samples that were taken at given times, in steps, and stamped with 0.15 steps of noise about equal
+    /// steps.
+    fn meaning_found(taken: impl Fn(usize) -> f64, position_noise: f64) -> StampMeaning {
         let stamps: Vec<f64> = (0..SAMPLES).map(|k| k as f64 + 0.15 * noise(k)).collect();
         let clock =
             thetahat_data::recording::Clock::from_stamps(stamps.clone(), 0.5, std::path::Path::new("q.csv"), "t")
                 .unwrap();
         let recorded = (0..SAMPLES).map(|k| motion(taken(k)) + position_noise * noise(k + SAMPLES)).collect();
-        let position = clock.to_equal_steps(thetahat_ground::series::Series::from_values(1, recorded)).channel(0);
+        let position = clock.to_equal_steps(thetahat_ground::series::Series::shaped(1, recorded)).channel(0);
         let mut sums = Sums::default();
         sums.add(&position, &lateness(&stamps, position.len()), &rows(&[], position.len()));
-        sums.stamped()
+        sums.meaning()
     }
 
     #[test]
-    fn the_positions_tell_whose_instants_the_stamps_are() {
+    fn the_positions_show_what_the_stamps_mean() {
         let jittered = |k: usize| k as f64 + 0.15 * noise(k);
         for position_noise in [0.0, 1e-5, 1e-3] {
-            assert_eq!(of(jittered, position_noise), Stamped::Sampling, "{position_noise}");
-            assert_eq!(of(|k| k as f64, position_noise), Stamped::Arrival, "{position_noise}");
+            assert_eq!(meaning_found(jittered, position_noise), StampMeaning::Sampling, "{position_noise}");
+            assert_eq!(meaning_found(|k| k as f64, position_noise), StampMeaning::Arrival, "{position_noise}");
         }
         let half = |k: usize| k as f64 + 0.075 * noise(k);
-        assert_eq!(of(half, 1e-5), Stamped::Unknown);
-        assert_eq!(of(jittered, 0.1), Stamped::Unknown);
+        assert_eq!(meaning_found(half, 1e-5), StampMeaning::Unknown);
+        assert_eq!(meaning_found(jittered, 0.1), StampMeaning::Unknown);
     }
 }

@@ -1,7 +1,7 @@
-//! Torques that hold few values: coarse steps that are no equal ones, or one value for most of the time.
+//! Torques with few different values: coarse, unequal steps, or one value for most of the time.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::span,
     signals::Signals,
@@ -9,15 +9,15 @@ use super::{
 
 /// Values this close, relative to the span, are the same: the conversion to the motor side rounds.
 const SAME: f64 = 1e-7;
-/// Values of a drive's signal below which its steps matter, and samples per value that a finer signal would not have.
-/// No torque of the clean records has so few values: they have one for every 20 samples at least.
+/// Number of values of a drive signal below which its steps matter, and samples per value above which the signal counts as
+/// coarse. The torques of the clean recordings have at least one value for every 20 samples.
 const FEW_VALUES: f64 = 64.0;
 const SAMPLES_PER_VALUE: f64 = 20.0;
 /// Part of its peak velocity above which a joint counts as moving.
 const MOVING: f64 = 0.05;
-/// Percent of the moving samples at one value: the clean records have at most 0.2.
+/// Percent of the moving samples at one value: the clean recordings have at most 0.2.
 const IDLE_LIMIT_PERCENT: f64 = 30.0;
-/// Percent from which nothing of the torque is left to estimate from.
+/// Percent above which too little of the torque is left for an estimate.
 const LOST_PERCENT: f64 = 60.0;
 
 pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
@@ -33,7 +33,7 @@ pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     }
 }
 
-/// One value for much of the time at which the joint moves.
+/// Checks for one value during much of the motion.
 fn idle(exam: &mut Examination<'_>, j: usize, moving: &[f64]) -> bool {
     let (at, count) = levels(moving).into_iter().max_by_key(|l| l.1).unwrap_or((0.0, 0));
     let value = 100.0 * count as f64 / moving.len().max(1) as f64;
@@ -48,14 +48,14 @@ fn idle(exam: &mut Examination<'_>, j: usize, moving: &[f64]) -> bool {
     let (number, parameters) = (exam.subject.joint_number(j), exam.subject.parameter_names_of(j));
     exam.judge(evidence, severity, || {
         let message =
-            format!("joint {number}: the drive's signal is {at} for {value:.0} % of the time at which the joint moves");
-        let remedy = "record the torque at every sample: the driver fills gaps with this value, or a dead band or the \
-                      resolution hides the torque";
-        Words::new(message, remedy).about(parameters)
+            format!("joint {number}: the drive signal is {at} for {value:.0} % of the time in which the joint moves");
+        let remedy = "record the torque at every sample; likely causes: the driver fills gaps with this value, a dead band, or \
+                      a coarse resolution";
+        FindingText::new(message, remedy).about(parameters)
     })
 }
 
-/// Few values in many samples, in equal steps or not.
+/// Checks for few values in many samples, in equal steps or not.
 fn few_values(exam: &mut Examination<'_>, j: usize, drive: &[f64]) {
     let values = levels(drive).len() as f64;
     if values * SAMPLES_PER_VALUE > drive.len() as f64 {
@@ -70,12 +70,13 @@ fn few_values(exam: &mut Examination<'_>, j: usize, drive: &[f64]) {
     };
     let number = exam.subject.joint_number(j);
     exam.judge(evidence, Severity::Warning, || {
-        let message = format!("joint {number}: the torque takes only {values} values in {} samples", drive.len());
-        Words::new(message, "record more digits, or a finer current range")
+        let message =
+            format!("joint {number}: the torque has only {values} different values in {} samples", drive.len());
+        FindingText::new(message, "record more digits, or a finer current range")
     });
 }
 
-/// The different values with their numbers of samples, rising.
+/// The different values with their numbers of samples, ascending.
 fn levels(values: &[f64]) -> Vec<(f64, usize)> {
     let tolerance = SAME * span(values);
     let mut sorted = values.to_vec();

@@ -1,15 +1,15 @@
-//! What is wrong with a recording, found before anything is estimated from it.
+//! Finds what is wrong with a recording before anything is estimated from it.
 //!
-//! [`examine`] looks at one recording on the joint side: at its samples (missing, repeated, outliers, coarse steps, limits,
-//! rests), at what the filter makes of them, at velocities and references that were recorded beside, and at the fit of the
-//! robot's model, which shows units, sides of the gears, signs, exchanged joints, ratios, lags, and what the motion does not
-//! excite. Each [`Finding`] has a stable [`Code`], a [`Severity`], its evidence as a number, and what to do. Limits,
-//! their margins on clean records, and what is not detected are in `docs/evidence/checks.md`.
+//! [`examine`] checks one recording on the joint side: its samples (missing, repeated, outliers, coarse steps, limits,
+//! rests), the filtered samples, recorded velocities and references, and the fit of the robot's model. The fit shows wrong
+//! units, sides of the gears, signs, exchanged joints, gear ratios and lags, and parameters that the motion does not excite.
+//! Each [`Finding`] has a stable [`Code`], a [`Severity`], its evidence as a number, and a remedy.
+//! `docs/evidence/checks.md` lists the limits, their margins on clean recordings, and what is not detected.
 //!
-//! A check is a file with a function `check`, a [`Code`], and a line in the order of the checks, which stands here.
+//! A check is a file with a function `check`, a [`Code`], and a line in the order of the checks in this file.
 //!
 //! ```
-//! use thetahat::checks::{Code, Severity};
+//! use thetahat_estimation::checks::{Code, Severity};
 //! // Codes and severities have names that stay, for scripts that look for them.
 //! assert_eq!((Code::DroppedSamples.name(), Severity::Problem.name()), ("dropped-samples", "problem"));
 //! let mut names = Code::ALL.map(Code::name).to_vec();
@@ -54,7 +54,7 @@ mod signals;
 mod spikes;
 mod stamps;
 mod subject;
-mod thinned_record;
+mod thinned_recording;
 mod torque;
 mod unexplained;
 mod velocity;
@@ -63,7 +63,7 @@ mod wrong_robot;
 #[cfg(test)]
 mod tests;
 
-pub use across_recordings::{compare, measure_together};
+pub use across_recordings::{compare, measure_across_recordings};
 pub use companion::Companion;
 pub use description::examine_robot;
 pub use finding::{Code, Finding, Measure, Severity};
@@ -71,21 +71,21 @@ pub use subject::{SignalSettings, Subject};
 
 use examination::Examination;
 use signals::Signals;
-use thinned_record::ThinnedRecord;
+use thinned_recording::ThinnedRecording;
 
-/// What the checks find in a recording: most severe first, then by code and joint.
+/// The findings in a recording: most severe first, then by code and joint.
 ///
-/// Every check stands by itself. The checks of the fit look at the record with the faults found so far corrected, so that
-/// a fault is named once. A record too short for the filters has no findings of the fit.
+/// The checks are independent of each other, but the checks of the fit correct the faults found so far, so that each fault is
+/// reported once. A recording that is too short for the filters has no findings of the fit.
 ///
 /// # Panics
-/// If the series differ in length or channels, or the window is not in them.
+/// If the series differ in length or channels, or the window reaches beyond them.
 #[must_use]
 pub fn examine(subject: &Subject<'_>) -> Vec<Finding> {
     examination(subject).into_findings()
 }
 
-/// The numbers behind the findings, and those that were below their limits, by code and joint.
+/// The evidence of every check, whether above or below its limit, by code and joint.
 ///
 /// # Panics
 /// As [`examine`].
@@ -94,27 +94,27 @@ pub fn measure(subject: &Subject<'_>) -> Vec<Measure> {
     examination(subject).into_measures()
 }
 
-/// All checks in their order.
+/// Runs all checks in order.
 fn examination<'a>(subject: &'a Subject<'a>) -> Examination<'a> {
     let mut exam = Examination::new(subject);
     check_samples(&mut exam);
     if let Ok(signals) = Signals::new(subject, subject.signal.cutoff_hz) {
         check_motion(&mut exam, &signals);
-        if let Some(mut record) = ThinnedRecord::new(subject, subject.signal.cutoff_hz) {
-            check_fit(&mut exam, &signals, &mut record);
+        if let Some(mut recording) = ThinnedRecording::new(subject, subject.signal.cutoff_hz) {
+            check_fit(&mut exam, &signals, &mut recording);
         }
     }
     exam
 }
 
-/// The samples as recorded.
+/// Checks of the samples as recorded.
 fn check_samples(exam: &mut Examination<'_>) {
     stamps::check(exam);
     torque::check(exam);
     spikes::check(exam);
 }
 
-/// The band-passed motion, and what was recorded beside it.
+/// Checks of the band-passed motion, and of recorded velocities and references.
 fn check_motion(exam: &mut Examination<'_>, signals: &Signals) {
     motion::check(exam, signals);
     dither::check(exam, signals);
@@ -130,41 +130,41 @@ fn check_motion(exam: &mut Examination<'_>, signals: &Signals) {
     }
 }
 
-/// The fit. What a defect that was found makes meaningless is left out.
-fn check_fit(exam: &mut Examination<'_>, signals: &Signals, record: &mut ThinnedRecord<'_>) {
-    let blind = exam.has(&[Code::TorqueConstant, Code::JointStill, Code::JointDither])
-        || !record.has_rows_for(record.parameters());
-    if blind {
-        return excitation::check(exam, &record.of_estimated());
+/// Checks of the fit, without those that a defect found earlier makes meaningless.
+fn check_fit(exam: &mut Examination<'_>, signals: &Signals, recording: &mut ThinnedRecording<'_>) {
+    let is_uninformative = exam.has(&[Code::TorqueConstant, Code::JointStill, Code::JointDither])
+        || !recording.has_rows_for(recording.parameters());
+    if is_uninformative {
+        return excitation::check(exam, &recording.with_estimated_parameters());
     }
-    if record.is_long_enough() && gravity::check(exam, record) {
-        return excitation::check(exam, &record.of_estimated());
+    if recording.is_long_enough() && gravity::check(exam, recording) {
+        return excitation::check(exam, &recording.with_estimated_parameters());
     }
-    fault::check(exam, record);
+    fault::check(exam, recording);
     if !exam.has(&[Code::PositionScale]) {
         position_range::check(exam, signals);
     }
-    friction::check(exam, record);
-    let shapes = friction_shapes::friction_shapes(record);
-    if record.is_long_enough() {
-        unexplained::check(exam, record);
+    friction::check(exam, recording);
+    let shapes = friction_shapes::friction_shapes(recording);
+    if recording.is_long_enough() {
+        unexplained::check(exam, recording);
         if let Some(shapes) = &shapes {
-            wrong_robot::check(exam, record, shapes);
+            wrong_robot::check(exam, recording, shapes);
         }
-        a_priori::check(exam, record);
+        a_priori::check(exam, recording);
     }
-    cutoff::check(exam, record);
-    excitation::check(exam, &record.of_estimated());
-    if exam.has(&[Code::CutoffLow]) || !record.has_full_rank() {
+    cutoff::check(exam, recording);
+    excitation::check(exam, &recording.with_estimated_parameters());
+    if exam.has(&[Code::CutoffLow]) || !recording.has_full_rank() {
         return;
     }
     if let Some(shapes) = &shapes {
-        lag::check(exam, record, shapes);
+        lag::check(exam, recording, shapes);
     }
     if !exam.has(&[Code::PoorFit]) {
-        gear::check(exam, record);
-        if record.is_long_enough() {
-            drift::check(exam, record);
+        gear::check(exam, recording);
+        if recording.is_long_enough() {
+            drift::check(exam, recording);
         }
     }
 }

@@ -1,7 +1,7 @@
-//! Joints that do not move, and times at which nothing moves.
+//! Joints that do not move, and times at which no joint moves.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::{mean, span},
     signals::{STILL, Signals},
@@ -9,11 +9,11 @@ use super::{
 
 /// Part of its peak velocity below which a joint counts as at rest.
 const AT_REST: f64 = 0.01;
-/// Evidence for a joint that does not move at all.
+/// Evidence of a joint that does not move at all.
 const SLOWEST: f64 = 1e6;
-/// Periods of the position filter's cut-off that a rest lasts: shorter ones are turning points.
+/// Shortest rest, in periods of the position filter's cut-off: shorter ones are reversals.
 const REST_PERIODS: f64 = 10.0;
-/// Rest, percent of the window; the clean records have none.
+/// Rest, percent of the window; the clean recordings have none.
 const REST_LIMIT_PERCENT: f64 = 6.0;
 
 pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
@@ -21,29 +21,29 @@ pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     still_periods(exam, signals);
 }
 
-/// Slower than the velocity at which a joint counts as still: the evidence is how many times slower.
+/// Checks whether a joint is slower than [`STILL`]; the evidence is how many times slower.
 fn still_joint(exam: &mut Examination<'_>, signals: &Signals, j: usize) {
     let value = (STILL / signals.peak[j]).min(SLOWEST);
     let evidence = Evidence { code: Code::JointStill, coordinate: Some(j), value, unit: "times too slow", limit: 1.0 };
     let parameters = exam.subject.parameter_names_of(j);
     let number = exam.subject.joint_number(j);
     let name = exam.subject.robot.coordinates().nth(j).map_or("", |joint| joint.name.as_str());
-    // A joint that is held on purpose, with nothing estimated of it, harms nothing.
+    // A joint that is held on purpose does no harm if none of its parameters is estimated.
     let severity = if parameters.is_empty() { Severity::Note } else { Severity::Problem };
     exam.judge(evidence, severity, || {
-        let words = Words::new(
+        let text = FindingText::new(
             format!(
                 "joint {number} does not move: it spans {:.2e} rad or m, and its velocity stays below {:.1e}",
                 span(&signals.raw.channel(j)),
                 signals.peak[j]
             ),
             format!(
-                "move it, or lock it where it stands: {name:?} = {at:.6} in [locked] of the experiment, its columns left out, which \
-                 `thetahat init --lock '{name}={at:.6}'` writes; if it did move, check the position channel",
+                "move it, or lock it: {name:?} = {at:.6} in [locked] of the experiment, without its columns, as written by \
+                 `thetahat init --lock '{name}={at:.6}'`; if it did move, check the position channel",
                 at = mean(&signals.raw.channel(j)),
             ),
         );
-        words.about(parameters)
+        text.about(parameters)
     });
 }
 
@@ -63,18 +63,18 @@ fn still_periods(exam: &mut Examination<'_>, signals: &Signals) {
     let left_out = exam.subject.rests_left_out;
     exam.judge(evidence, if left_out { Severity::Note } else { Severity::Warning }, || {
         let at = |k: usize| (start + k) as f64 / rate;
-        let (rows, remedy) = if left_out {
-            ("these samples make no rows", "nothing to do: [signal] mask leaves them out")
+        let (consequence, remedy) = if left_out {
+            ("these samples are not used", "nothing to do: [signal] mask leaves them out")
         } else {
             (
-                "the sign of the velocity is noise there",
+                "there the sign of the velocity is noise",
                 "leave them out by mask = \"near-rest\" in [signal], or set window_start_s and window_end_s to the moving part",
             )
         };
         let longest = rests.iter().max_by_key(|r| r.len()).cloned().unwrap_or(0..0);
-        Words::new(
+        FindingText::new(
             format!(
-                "no joint moves for {value:.0} % of the window, the longest time from {:.3} s to {:.3} s; {rows}",
+                "no joint moves for {value:.0} % of the window, the longest time from {:.3} s to {:.3} s; {consequence}",
                 at(longest.start),
                 at(longest.end)
             ),

@@ -1,4 +1,4 @@
-//! Small statistics of the checks.
+//! Small statistics for the checks.
 
 use crate::statistics::quantile;
 
@@ -18,13 +18,13 @@ pub(super) fn deviation(x: &[f64]) -> f64 {
     (x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / x.len().max(1) as f64).sqrt()
 }
 
-/// Largest less smallest.
+/// Largest value minus smallest.
 pub(super) fn span(x: &[f64]) -> f64 {
     let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
     (high - low).max(0.0)
 }
 
-/// The quantile of absolute values at `part` from 0 to 1; zero of nothing.
+/// The quantile of absolute values at `part` from 0 to 1; zero without values.
 pub(super) fn quantile_abs(x: impl Iterator<Item = f64>, part: f64) -> f64 {
     quantile(&x.map(f64::abs).collect::<Vec<_>>(), part)
 }
@@ -32,7 +32,7 @@ pub(super) fn quantile_abs(x: impl Iterator<Item = f64>, part: f64) -> f64 {
 /// Normal standard deviation per median of absolute values.
 pub(super) const NORMAL_PER_MEDIAN: f64 = 1.4826;
 
-/// Correlation coefficient about the means; zero where one of the two is constant.
+/// Correlation coefficient about the means; zero if one of the two is constant.
 pub(super) fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let (ma, mb) = (mean(a), mean(b));
     let covariance = a.iter().zip(b).map(|(a, b)| (a - ma) * (b - mb)).sum::<f64>() / a.len().max(1) as f64;
@@ -40,7 +40,7 @@ pub(super) fn correlation(a: &[f64], b: &[f64]) -> f64 {
     if size > 0.0 { covariance / size } else { 0.0 }
 }
 
-/// Correlation of a series with itself one place later; zero where it is too short for one.
+/// Correlation of a series with itself one sample later; zero if it is too short.
 pub(super) fn autocorrelation(x: &[f64]) -> f64 {
     if x.len() < FEWEST { 0.0 } else { correlation(&x[1..], &x[..x.len() - 1]) }
 }
@@ -48,8 +48,8 @@ pub(super) fn autocorrelation(x: &[f64]) -> f64 {
 /// Blocks of time.
 const BLOCKS: usize = 10;
 
-/// Root of the sum over blocks of time of the squared product of two vectors in each: the deviation of `dot(a, e)` where
-/// errors are correlated within a block. The vectors hold `rows` rows of each joint.
+/// Root of the sum of squares, over blocks of time, of the product of two vectors within a block: the standard deviation of
+/// `dot(a, e)` for errors that are correlated within a block. The vectors have `rows` rows for each joint.
 pub(super) fn block_score(a: &[f64], e: &[f64], rows: usize) -> f64 {
     let mut score = [0.0; BLOCKS];
     for (i, (a, e)) in a.iter().zip(e).enumerate() {
@@ -58,11 +58,11 @@ pub(super) fn block_score(a: &[f64], e: &[f64], rows: usize) -> f64 {
     rms(&score) * (BLOCKS as f64).sqrt()
 }
 
-/// Fewest samples of which a delay is taken.
+/// Fewest samples for a delay or an autocorrelation.
 const FEWEST: usize = 8;
 
-/// The delay in samples by which `a` is later than `b`, to a fraction of a sample: the parabola through the smallest sum of
-/// squared differences within `reach`. None where the smallest sum is at the end of the range: the search ended there.
+/// The delay in samples by which `a` is later than `b`, to a fraction of a sample: the minimum of the parabola through the
+/// smallest sum of squared differences within `reach`. `None` if the smallest sum is at the end of the range.
 pub(super) fn delay(a: &[f64], b: &[f64], reach: usize) -> Option<f64> {
     if a.len() < FEWEST {
         return None;
@@ -77,24 +77,24 @@ pub(super) fn delay(a: &[f64], b: &[f64], reach: usize) -> Option<f64> {
         return None;
     }
     let [before, at, after] = [-1, 0, 1].map(|d| mismatch(best + d));
-    let bend = before - 2.0 * at + after;
-    Some(best as f64 + if bend > 0.0 { 0.5 * (before - after) / bend } else { 0.0 })
+    let curvature = before - 2.0 * at + after;
+    Some(best as f64 + if curvature > 0.0 { 0.5 * (before - after) / curvature } else { 0.0 })
 }
 
-/// Differences smaller than this part of the span are rounding.
+/// Differences below this part of the span are rounding.
 const ROUNDING: f64 = 1e-12;
-/// Deviation of a difference from a whole number of steps, in steps.
+/// Largest deviation of a difference from a whole number of steps, in steps.
 const OFF_GRID: f64 = 0.02;
-/// Part of the differences that must be whole numbers of steps.
+/// Smallest part of the differences that must be whole numbers of steps.
 const ON_GRID: f64 = 0.9;
 
-/// The step of a signal that is a whole number of steps throughout; none where it is not.
+/// The step of a quantised signal; `None` if the signal is not quantised.
 pub(super) fn step_of(x: &[f64]) -> Option<f64> {
     let smallest = ROUNDING * span(x);
     let differences = || x.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > smallest);
     let step = differences().fold(f64::INFINITY, f64::min);
-    let off = |d: &f64| (d / step - (d / step).round()).abs() < OFF_GRID;
-    let (all, on) = (differences().count(), differences().filter(off).count());
+    let is_on_grid = |d: &f64| (d / step - (d / step).round()).abs() < OFF_GRID;
+    let (all, on) = (differences().count(), differences().filter(is_on_grid).count());
     (all > 0 && on as f64 >= ON_GRID * all as f64).then_some(step)
 }
 

@@ -1,5 +1,4 @@
-//! Weighted least squares with an orthonormal basis of X, on which changes of y are tried without another
-//! factorisation.
+//! Weighted least squares with an orthonormal basis of X: another y needs no other factorisation.
 
 use std::ops::Range;
 
@@ -10,13 +9,13 @@ use thetahat_ground::linear_algebra::{Matrix, PivotedQr, dot};
 /// Relative size of the last diagonal entries of R below which a column counts as dependent, as for the estimate.
 const RANK_TOLERANCE: f64 = 1e-10;
 
-/// Stretches of time, every other one of which is held out.
+/// Stretches of time, of which every other one is held out.
 const STRETCHES: usize = 10;
 
-/// Least squares with every coordinate's rows divided by the standard deviation of its torque. Columns may depend on one
-/// another.
+/// Least squares with every coordinate's rows divided by the standard deviation of its torque. Columns may be linearly
+/// dependent.
 ///
-/// Another y costs one projection ([`Self::unexplained`]); a y that differs in one coordinate costs the projection of its
+/// Another y needs one projection ([`Self::unexplained`]); a y that differs in one coordinate needs the projection of its
 /// rows ([`Self::squares_with`]).
 pub(super) struct OrthogonalFit {
     /// The rows, with their weights.
@@ -29,7 +28,7 @@ pub(super) struct OrthogonalFit {
     pub(super) rank: usize,
     /// Weighted.
     pub(super) y: Vec<f64>,
-    /// y along the basis.
+    /// Components of y along the basis.
     projection: Vec<f64>,
     pub(super) residual: Vec<f64>,
     /// Squared length of the residual.
@@ -37,12 +36,12 @@ pub(super) struct OrthogonalFit {
 }
 
 impl OrthogonalFit {
-    /// The fit of the rows of one recording, whatever their weights.
+    /// The fit of the rows of one recording; their weights are ignored.
     pub(super) fn new(regression: &Regression) -> Self {
         Self::with_weights(weighted(regression))
     }
 
-    /// The same without some of the rows, which count for nothing.
+    /// The same with zero weight for some of the rows.
     pub(super) fn without(regression: &Regression, left_out: &[bool]) -> Self {
         let regression = weighted(regression);
         let ones = vec![1.0; left_out.len()];
@@ -63,12 +62,12 @@ impl OrthogonalFit {
         Self { regression, x, basis, qr, rank, y, projection, residual, squares }
     }
 
-    /// The part of a vector of unweighted rows that no parameters explain, weighted.
+    /// The part of a vector of unweighted rows that no parameters explain, in weighted rows.
     pub(super) fn unexplained(&self, rows: &[f64]) -> Vec<f64> {
         project_out(&self.basis, &self.regression.whiten(rows))
     }
 
-    /// Parameters; those that depend on others are zero.
+    /// The parameters; those that depend on others are zero.
     pub(super) fn theta(&self) -> Vec<f64> {
         self.theta_of_weighted(&self.y)
     }
@@ -101,21 +100,21 @@ impl OrthogonalFit {
     }
 
     /// Mean squared error, relative to the torques' variances, on every other stretch of time with the parameters of the
-    /// others. None where these do not separate the parameters.
+    /// remaining stretches. `None` if these do not separate the parameters.
     pub(super) fn held_out_squares(&self) -> Option<f64> {
         let rows = self.regression.layout.block(0, 0).len();
-        let half = |i: usize| ((i % rows) * STRETCHES / rows).is_multiple_of(2);
+        let is_even = |i: usize| ((i % rows) * STRETCHES / rows).is_multiple_of(2);
         let squares = |own: &dyn Fn(usize) -> bool| {
-            let taken: Vec<bool> = (0..self.y.len()).map(own).collect();
+            let used: Vec<bool> = (0..self.y.len()).map(own).collect();
             let part = |y: bool| (0..self.y.len()).filter(move |i| own(*i) == y);
-            let qr = PivotedQr::new(&self.x.select_rows(&taken));
+            let qr = PivotedQr::new(&self.x.select_rows(&used));
             let theta = qr.solve(&part(true).map(|i| self.y[i]).collect::<Vec<_>>());
             let error = |i: usize| self.y[i] - (0..self.x.columns()).map(|c| self.x.at(i, c) * theta[c]).sum::<f64>();
             let separates = qr.rank(RANK_TOLERANCE) == self.x.columns();
             separates.then(|| part(false).map(|i| error(i).powi(2)).sum::<f64>())
         };
         let enough = self.y.len() / 2 > self.x.columns() && rows > STRETCHES;
-        let both = enough.then(|| Some(squares(&half)? + squares(&|i| !half(i))?)).flatten()?;
+        let both = enough.then(|| Some(squares(&is_even)? + squares(&|i| !is_even(i))?)).flatten()?;
         Some(both / self.y.len() as f64)
     }
 
@@ -124,7 +123,7 @@ impl OrthogonalFit {
         self.squares / self.y.len().saturating_sub(self.rank).max(1) as f64
     }
 
-    /// Rms residual relative to the rms torque, without weights, of the rows that count.
+    /// Rms residual relative to the rms torque, without weights, over the rows with a weight above zero.
     pub(super) fn relative_error(&self) -> f64 {
         let squares = |rows: &[f64]| self.unweighted(rows).map(|v| v.powi(2)).sum::<f64>();
         (squares(&self.residual) / squares(&self.y)).sqrt()
@@ -140,12 +139,12 @@ impl OrthogonalFit {
         rms(&self.residual[self.rows_of(j)])
     }
 
-    /// The same per degree of freedom that the parameters leave to its rows.
+    /// The same per degree of freedom: its rows minus the parameters that they determine.
     pub(super) fn joint_error_per_freedom(&self, j: usize) -> f64 {
         let rows = self.rows_of(j);
-        let taken: f64 = (0..self.rank).map(|c| &self.basis.column(c)[rows.clone()]).map(|b| dot(b, b)).sum();
+        let determined: f64 = (0..self.rank).map(|c| &self.basis.column(c)[rows.clone()]).map(|b| dot(b, b)).sum();
         let residual = &self.residual[rows.clone()];
-        (dot(residual, residual) / (rows.len() as f64 - taken).max(1.0)).sqrt()
+        (dot(residual, residual) / (rows.len() as f64 - determined).max(1.0)).sqrt()
     }
 
     /// The part of a vector of weighted rows that no parameters explain.
@@ -158,20 +157,19 @@ impl OrthogonalFit {
     }
 }
 
-/// The rows with one over the standard deviation of its coordinate's torque as each one's weight, or one where that is
-/// zero.
+/// The rows weighted by one over the standard deviation of their coordinate's torque, or by one if that is zero.
 fn weighted(regression: &Regression) -> Regression {
     let weight = |y: &Vec<f64>| Some(deviation(y)).filter(|s| *s > 0.0).map_or(1.0, f64::recip);
-    let of_coordinates: Vec<f64> = regression.layout.by_joint(&regression.y).iter().map(weight).collect();
-    regression.with_weights(Some(regression.layout.spread(|block| of_coordinates[block.joint])))
+    let weights: Vec<f64> = regression.layout.by_joint(&regression.y).iter().map(weight).collect();
+    regression.with_weights(Some(regression.layout.spread(|block| weights[block.joint])))
 }
 
-/// The squared residual of [`OrthogonalFit`], from the triangle of `[X y]` alone.
+/// The squared residual of [`OrthogonalFit`], from the triangular factor of `[X y]` alone.
 pub(super) fn squared_residual(regression: &Regression) -> f64 {
     let rows = weighted(regression);
     let (x, y) = (rows.whiten_matrix(&rows.x), rows.whiten(&rows.y));
     let columns = x.columns();
-    let triangle = Matrix::beside(&[&x, &Matrix::from_fn(y.len(), 1, |i, _| y[i])]).triangular_factor();
+    let triangle = Matrix::side_by_side(&[&x, &Matrix::from_fn(y.len(), 1, |i, _| y[i])]).triangular_factor();
     let of_x = triangle.select_columns(&(0..columns).collect::<Vec<_>>());
     if triangle.rows() <= columns || PivotedQr::new(&of_x).rank(RANK_TOLERANCE) < columns {
         return OrthogonalFit::new(regression).squares;
@@ -179,7 +177,7 @@ pub(super) fn squared_residual(regression: &Regression) -> f64 {
     triangle.at(columns, columns).powi(2)
 }
 
-/// A vector less its part in the span of orthonormal columns.
+/// A vector minus its part in the span of orthonormal columns.
 fn project_out(basis: &Matrix, vector: &[f64]) -> Vec<f64> {
     let mut rest = vector.to_vec();
     for j in 0..basis.columns() {

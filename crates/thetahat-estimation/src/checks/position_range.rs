@@ -1,18 +1,18 @@
-//! Motions that are larger than the joints allow: positions of motors, or in another unit.
+//! Motions beyond the joints' limits: positions of motors, or in another unit.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::span,
     signals::Signals,
 };
 
-/// How many times larger than its range a joint's motion is. Clean records stay within the range.
+/// Largest ratio of a joint's motion to its range. Clean recordings stay within the range.
 const LIMIT: f64 = 1.5;
 const REMEDY: &str =
     "set the unit of position in [recording], or side = \"motor\" with the ratios in [transmission] matrix";
 
-/// Joints whose limits the description states.
+/// Checks the joints with limits in the description.
 pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     for j in 0..signals.coordinates() {
         let limits = &exam.subject.joint(j).limits;
@@ -30,7 +30,7 @@ pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
         exam.judge(evidence, Severity::Problem, || {
             let message =
                 format!("joint {number}: the position spans {spanned:.1} rad or m, its limits allow {range:.1}");
-            Words::new(message, REMEDY)
+            FindingText::new(message, REMEDY)
         });
     }
 }

@@ -1,7 +1,7 @@
 //! Whether the motion follows the reference.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::{correlation, deviation, rms},
     reference_fit::{Correction, explanation, proposed},
@@ -10,14 +10,14 @@ use super::{
 use thetahat_ground::series::Series;
 
 /// Rms deviation of the motion from the reference, percent of the motion's standard deviation. The clean
-/// records have at most 0.8.
+/// recordings have at most 0.8.
 const LIMIT_PERCENT: f64 = 5.0;
-/// Standard deviation of a position, rad or m, of a joint that does not move.
+/// Standard deviation of a position, rad or m, below which a joint does not move.
 const STILL: f64 = 1e-4;
-/// A correlation with the reference of another joint that the own joint does not reach.
+/// Correlation with the reference of another joint above which the references are exchanged, if the own one is below it.
 const OTHER: f64 = 0.95;
 
-/// The remedy where no correction of the reference would do.
+/// The remedy if no correction of the reference helps.
 const CHECK_CHANNEL: &str = "check the reference's column, unit and side; IDIM-IV and DIDIM simulate the loop with it";
 
 pub(super) fn check(exam: &mut Examination<'_>) {
@@ -49,21 +49,21 @@ fn evidence(j: usize, value: f64) -> Evidence {
     }
 }
 
-/// Position less reference of a coordinate.
+/// Position minus reference of a coordinate.
 fn difference(position: &Series, reference: &Series, j: usize) -> Vec<f64> {
     position.channel(j).iter().zip(&reference.channel(j)).map(|(q, r)| q - r).collect()
 }
 
-/// Its rms, percent of the motion's deviation.
+/// Its rms, percent of the motion's standard deviation.
 fn percent_off(position: &Series, reference: &Series, j: usize) -> f64 {
     100.0 * rms(&difference(position, reference, j)) / deviation(&position.channel(j))
 }
 
-/// The remedy where a correction of the reference would do.
+/// The remedy if a correction of the reference helps.
 fn remedy(correction: &Correction, sample_rate_hz: f64) -> String {
     format!(
-        "where the record is at fault, and not the tracking of the control, put the reference right under [recording]: \
-         {}; otherwise {CHECK_CHANNEL}",
+        "if the recording is wrong, and not the tracking of the controller, correct the reference under [recording]: {}; \
+         otherwise {CHECK_CHANNEL}",
         correction.text(sample_rate_hz)
     )
 }
@@ -74,16 +74,19 @@ fn recorded(exam: &mut Examination<'_>, position: &Series, reference: &Series, j
     let number = subject.joint_number(j);
     exam.judge(evidence(j, percent_off(position, reference, j)), Severity::Warning, || {
         let cause = cause(subject, &position.channel(j), reference, j);
-        Words::new(format!("joint {number}: the motion is {off:.3e} rad or m rms off its reference: {cause}"), remedy)
+        FindingText::new(
+            format!("joint {number}: the motion differs from its reference by {off:.3e} rad or m rms: {cause}"),
+            remedy,
+        )
     });
 }
 
-/// The most likely cause in words.
+/// The text of the most likely cause.
 fn cause(subject: &Subject<'_>, q: &[f64], reference: &Series, j: usize) -> String {
     let own = correlation(q, &reference.channel(j));
     let others = (0..reference.channels()).filter(|&i| i != j).map(|i| (i, correlation(q, &reference.channel(i))));
     if let Some((i, r)) = others.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|o| o.1 > OTHER && own < OTHER) {
-        return format!("it follows that of joint {} (correlation {r:.3})", subject.joint_number(i));
+        return format!("it follows the reference of joint {} (correlation {r:.3})", subject.joint_number(i));
     }
     let r = reference.channel(j);
     let unexplained = || format!("no delay, scale, offset or other joint explains it (correlation {own:.4})");
@@ -93,9 +96,9 @@ fn cause(subject: &Subject<'_>, q: &[f64], reference: &Series, j: usize) -> Stri
 fn reconstructed(exam: &mut Examination<'_>, q: &[f64], rms_deviation: f64, j: usize) {
     let number = exam.subject.joint_number(j);
     exam.judge(evidence(j, 100.0 * rms_deviation / deviation(q)), Severity::Warning, || {
-        Words::new(
-            format!("joint {number}: the motion is {rms_deviation:.3e} rad or m rms off the reconstructed moves"),
-            "the motion is not made of synchronised moves: record the reference and name it in [recording]",
+        FindingText::new(
+            format!("joint {number}: the motion differs from the reconstructed reference by {rms_deviation:.3e} rad or m rms"),
+            "the motion does not consist of synchronised moves: record the reference and name it in [recording]",
         )
     });
 }

@@ -1,4 +1,4 @@
-//! The delay, scale and offset with which a reference describes the motion: `q(k) = scale r(k - delay) + offset`.
+//! The delay, scale and offset between a reference and the motion: `q(k) = scale r(k - delay) + offset`.
 
 use super::numbers::{delay, deviation, mean, rms};
 use crate::signal::{central_difference, delayed};
@@ -7,17 +7,17 @@ use thetahat_ground::{
     series::Series,
 };
 
-/// Part of the record in which a delay is looked for.
+/// The longest delay of the search is the length of the recording divided by this.
 const LONGEST_PART: usize = 20;
 /// Steps of Gauss-Newton.
 const ITERATIONS: usize = 12;
-/// A simpler correction is taken where it leaves no more than this times the rms deviation of the full one.
+/// A simpler correction is chosen if it leaves at most this times the rms difference of the full one.
 const AS_GOOD: f64 = 1.25;
-/// So is one that leaves no more than this part of the motion's deviation: clean records have up to 0.8 %.
+/// So is one that leaves at most this part of the motion's standard deviation: clean recordings have up to 0.8 %.
 const CLEAN: f64 = 0.01;
-/// Part of the rms difference that an explanation may leave.
+/// Largest part of the rms difference that an explanation may leave.
 const EXPLAINED: f64 = 0.5;
-/// Delays of joints that differ by less, in samples or as a part, are one delay of the record.
+/// Delays of joints that differ by less, in samples or relatively, are one delay of the recording.
 const SAME: f64 = 0.25;
 
 /// Which of delay, scale and offset are free, the simplest first.
@@ -31,10 +31,10 @@ const FREE: [[bool; 3]; 7] = [
     [true, true, true],
 ];
 
-/// What puts the reference of a joint right.
+/// The correction of the reference of one joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct JointCorrection {
-    /// Samples by which the motion is later.
+    /// Delay of the motion, samples.
     samples: f64,
     scale: f64,
     offset: f64,
@@ -42,13 +42,13 @@ struct JointCorrection {
 
 const NONE: JointCorrection = JointCorrection { samples: 0.0, scale: 1.0, offset: 0.0 };
 
-/// What puts the references of all joints right.
+/// The correction of the references of all joints.
 pub(super) struct Correction {
     joints: Vec<JointCorrection>,
 }
 
-/// The correction after which the joints that are off their references are within `limit_percent` of their motion; none
-/// where there is none.
+/// The correction that brings the joints `off` their references within `limit_percent` of their motion; `None` if there is
+/// none.
 pub(super) fn proposed(position: &Series, reference: &Series, off: &[usize], limit_percent: f64) -> Option<Correction> {
     let mut joints = vec![NONE; position.channels()];
     for &j in off {
@@ -66,22 +66,22 @@ pub(super) fn proposed(position: &Series, reference: &Series, off: &[usize], lim
     (!off.is_empty()).then_some(Correction { joints })
 }
 
-/// The mean of delays that are all the same and not zero.
+/// The mean of delays that are equal and not zero.
 fn common(delays: &[f64]) -> Option<f64> {
     let mean = mean(delays);
     let same = |d: &f64| *d != 0.0 && (d - mean).abs() < SAME * mean.abs().max(1.0);
     (!delays.is_empty() && delays.iter().all(same)).then_some(mean)
 }
 
-/// The simplest correction that does nearly as well as all three together, with the rms deviation it leaves.
+/// The simplest correction that is nearly as good as all three together, with the rms difference that it leaves.
 fn simplest(q: &[f64], r: &[f64]) -> Option<(JointCorrection, f64)> {
     let fits: Vec<_> = FREE.iter().filter_map(|free| fit(q, r, *free)).collect();
     let best = fits.iter().map(|f| f.1).fold(f64::INFINITY, f64::min);
     fits.into_iter().find(|f| f.1 <= (AS_GOOD * best).max(CLEAN * deviation(q)))
 }
 
-/// What makes most of the difference of two signals: the simplest delay, scale and offset that leave less than half of its
-/// rms. None where there is none.
+/// The cause of most of the difference of two signals: the simplest delay, scale and offset that leave less than half of its
+/// rms; `None` if there is none.
 pub(super) fn explanation(q: &[f64], r: &[f64], sample_rate_hz: f64) -> Option<String> {
     let difference: Vec<f64> = q.iter().zip(r).map(|(q, r)| q - r).collect();
     let (found, _) = simplest(q, r).filter(|(_, left)| *left < EXPLAINED * rms(&difference))?;
@@ -90,18 +90,17 @@ pub(super) fn explanation(q: &[f64], r: &[f64], sample_rate_hz: f64) -> Option<S
     let order = if samples > 0.0 { "late" } else { "early" };
     let late = (samples != 0.0).then(|| format!("{:.1} samples ({ms:.1} ms) {order}", samples.abs()));
     let scaled = (scale != 1.0).then(|| format!("{scale:.4} times as large"));
-    let moved = (offset != 0.0).then(|| format!("off by {offset:.4}"));
-    let parts: Vec<String> = [late, scaled, moved].into_iter().flatten().collect();
+    let shifted = (offset != 0.0).then(|| format!("off by {offset:.4}"));
+    let parts: Vec<String> = [late, scaled, shifted].into_iter().flatten().collect();
     Some(format!("it is {}", parts.join(", ")))
 }
 
-/// Least squares for the free ones, by Gauss-Newton from the best whole delay.
+/// Least squares for the free quantities, by Gauss-Newton from the best whole delay.
 fn fit(q: &[f64], r: &[f64], free: [bool; 3]) -> Option<(JointCorrection, f64)> {
     let reach = (q.len() / LONGEST_PART).max(1);
     let mut found = NONE;
     if free[0] {
-        let about = |x: &[f64], size: f64| x.iter().map(|v| (v - mean(x)) / size).collect::<Vec<_>>();
-        found.samples = delay(&about(q, deviation(q)), &about(r, deviation(r)), reach)?;
+        found.samples = delay(&standardised(q), &standardised(r), reach)?;
     }
     for _ in 0..ITERATIONS {
         let (rest, columns) = linearised(q, r, found, free, reach);
@@ -113,29 +112,35 @@ fn fit(q: &[f64], r: &[f64], free: [bool; 3]) -> Option<(JointCorrection, f64)> 
             return None;
         }
         let mut step = qr.solve(&rest).into_iter();
-        let mut take = |is_free: bool| if is_free { step.next().unwrap_or_default() } else { 0.0 };
-        found.samples += take(free[0]).clamp(-1.0, 1.0);
-        found.scale += take(free[1]);
-        found.offset += take(free[2]);
+        let mut change = |is_free: bool| if is_free { step.next().unwrap_or_default() } else { 0.0 };
+        found.samples += change(free[0]).clamp(-1.0, 1.0);
+        found.scale += change(free[1]);
+        found.offset += change(free[2]);
     }
     let left = rms(&linearised(q, r, found, free, reach).0);
     (left.is_finite() && found.samples.abs() < reach as f64).then_some((found, left))
 }
 
-/// What a correction leaves of the motion, and its slopes by what is free, away from the ends.
+/// A signal minus its mean, divided by its standard deviation.
+fn standardised(x: &[f64]) -> Vec<f64> {
+    let (mean, deviation) = (mean(x), deviation(x));
+    x.iter().map(|v| (v - mean) / deviation).collect()
+}
+
+/// The residual of a correction and its derivatives by the free quantities, without the ends of the recording.
 fn linearised(q: &[f64], r: &[f64], at: JointCorrection, free: [bool; 3], reach: usize) -> (Vec<f64>, Matrix) {
-    let late = delayed(&Series::from_channels(&[r.to_vec()]), &[at.samples]);
+    let late = delayed(&Series::side_by_side(&[r.to_vec()]), &[at.samples]);
     let slope = central_difference(&late, 1.0);
     let inside = reach..q.len() - reach;
     let value = |k: usize| late.sample(k)[0];
     let rest = inside.clone().map(|k| q[k] - at.scale * value(k) - at.offset).collect();
     let by = |k: usize, i: usize| [-at.scale * slope.sample(k)[0], value(k), 1.0][i];
-    let wanted: Vec<usize> = (0..3).filter(|i| free[*i]).collect();
-    (rest, Matrix::from_fn(inside.len(), wanted.len(), |k, i| by(k + inside.start, wanted[i])))
+    let free: Vec<usize> = (0..3).filter(|i| free[*i]).collect();
+    (rest, Matrix::from_fn(inside.len(), free.len(), |k, i| by(k + inside.start, free[i])))
 }
 
 impl Correction {
-    /// The key of `[recording]` that asks for it.
+    /// The line for `[recording]` that applies it.
     pub(super) fn text(&self, sample_rate_hz: f64) -> String {
         let list = |value: fn(&JointCorrection) -> f64, unit: f64| {
             let numbers: Vec<String> =
@@ -161,7 +166,7 @@ mod tests {
     }
 
     fn series(of: impl Fn(f64, usize) -> f64) -> Series {
-        Series::from_values(2, (0..2000).flat_map(|k| [of(f64::from(k), 0), of(f64::from(k), 1)]).collect())
+        Series::shaped(2, (0..2000).flat_map(|k| [of(f64::from(k), 0), of(f64::from(k), 1)]).collect())
     }
 
     fn text_of(position: &Series, reference: &Series, off: &[usize]) -> Option<String> {
@@ -177,13 +182,13 @@ mod tests {
         let scaled = series(|t, j| if j == 1 { wave(t, j) / 1.25 } else { wave(t, j) });
         let expected = "reference_correction = { delay_s = 0.0, scale = [1.0, 1.25], offset = 0.0 }";
         assert_eq!(text_of(&position, &scaled, &[1]).unwrap(), expected);
-        let moved = series(|t, j| wave(t, j) - 0.3);
+        let shifted = series(|t, j| wave(t, j) - 0.3);
         let expected = "reference_correction = { delay_s = 0.0, scale = 1.0, offset = 0.3 }";
-        assert_eq!(text_of(&position, &moved, &[0, 1]).unwrap(), expected);
+        assert_eq!(text_of(&position, &shifted, &[0, 1]).unwrap(), expected);
     }
 
     #[test]
-    fn the_three_together_are_told_apart() {
+    fn the_three_together_are_distinguished() {
         let position = series(wave);
         let wrong = series(|t, j| (wave(t + 12.6, j) - 0.3) / 0.8);
         let found = proposed(&position, &wrong, &[0, 1], 5.0).unwrap();
@@ -199,7 +204,7 @@ mod tests {
         assert_eq!(text_of(&series(wave), &other, &[0, 1]), None);
     }
 
-    /// It said "it is 205.0 samples (205.0 ms) late, scale 44.1213": the end of the range, and a scale of noise.
+    /// A fit would end at the limit of the search, 205 samples, with the scale of noise, 44.
     #[test]
     fn the_end_of_the_search_is_no_explanation() {
         let far = series(|t, j| 0.02 * wave(t - 205.0, j));

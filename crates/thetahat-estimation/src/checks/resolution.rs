@@ -1,7 +1,7 @@
-//! The step of the positions and their noise, and what the filter makes of both.
+//! Quantisation and noise of the positions, after the filter.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::{rms, step_of},
     signals::Signals,
@@ -10,28 +10,28 @@ use super::{
 use crate::signal::{Derivative, band_pass};
 use thetahat_ground::series::Series;
 
-/// Noise of the acceleration by the position's steps, percent of the acceleration's rms. The clean records have at most
+/// Noise of the acceleration by the position's steps, percent of the acceleration's rms. The clean recordings have at most
 /// 0.3.
 const STEP_LIMIT_PERCENT: f64 = 5.0;
-/// Noise of the acceleration by white noise of the position, percent of the acceleration's rms. The clean records have at
+/// Noise of the acceleration by white noise of the position, percent of the acceleration's rms. The clean recordings have at
 /// most 0.4.
 const NOISE_LIMIT_PERCENT: f64 = 10.0;
-/// A sensible cut-off, in bands of the decimated rows: 5 times the dynamics' bandwidth where the rows hold twice of it.
+/// A sensible cut-off, relative to the band of the decimated rows: 5 times the dynamics' bandwidth if the rows keep twice it.
 const BANDS: f64 = 2.5;
-/// Periods of the cut-off over which the filter's response to an impulse is summed.
+/// Periods of the cut-off over which the filter's impulse response is summed.
 const PERIODS: f64 = 20.0;
 
 pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     let signal = &exam.subject.signal;
     let cutoff = signal.cutoff_hz;
-    // Steps are coarse if they are so with a sensible filter; else it is the filter.
+    // Steps are coarse if they are so with a sensible filter; otherwise the filter is at fault.
     let sensible = BANDS * 0.4 * exam.subject.sample_rate_hz / signal.decimation as f64;
     let gains = (noise_gain(exam.subject, cutoff.min(sensible)), noise_gain(exam.subject, cutoff));
-    let (Some(of_steps), Some(of_noise)) = gains else { return };
+    let (Some(step_gain), Some(white_noise_gain)) = gains else { return };
     for j in (0..signals.coordinates()).filter(|&j| signals.moves(j)) {
         let acceleration = rms(&signals.ddq.channel(j));
-        if !quantisation(exam, signals, j, of_steps / acceleration) {
-            noise(exam, signals, j, of_noise / acceleration);
+        if !quantisation(exam, signals, j, step_gain / acceleration) {
+            noise(exam, signals, j, white_noise_gain / acceleration);
         }
     }
 }
@@ -48,10 +48,10 @@ fn quantisation(exam: &mut Examination<'_>, signals: &Signals, j: usize, relativ
     };
     let (cutoff, number) = (exam.subject.signal.cutoff_hz, exam.subject.joint_number(j));
     exam.judge(evidence, Severity::Warning, || {
-        Words::new(
+        FindingText::new(
             format!(
-                "joint {number}: the position comes in steps of {step:.3e} rad or m, which behind the filter are noise \
-                 of {value:.1} % of the acceleration"
+                "joint {number}: the position has steps of {step:.3e} rad or m; after the filter they make {value:.1} % noise \
+                 in the acceleration"
             ),
             format!("record the encoder's own counts, or lower the cut-off of {cutoff} Hz"),
         )
@@ -69,16 +69,16 @@ fn noise(exam: &mut Examination<'_>, signals: &Signals, j: usize, relative_gain:
     };
     let (cutoff, number) = (exam.subject.signal.cutoff_hz, exam.subject.joint_number(j));
     exam.judge(evidence, Severity::Warning, || {
-        Words::new(
+        FindingText::new(
             format!(
-                "joint {number}: behind the filter at {cutoff} Hz, {value:.0} % of the acceleration is noise of the position"
+                "joint {number}: after the filter at {cutoff} Hz, {value:.0} % of the acceleration is noise of the position"
             ),
-            "lower [signal] cutoff_hz to some five times the motion's bandwidth",
+            "lower [signal] cutoff_hz to about five times the motion's bandwidth",
         )
     });
 }
 
-/// Rms acceleration behind the filter per standard deviation of white noise of the position.
+/// Rms acceleration after the filter per standard deviation of white noise of the position.
 fn noise_gain(subject: &Subject<'_>, cutoff_hz: f64) -> Option<f64> {
     let half = (PERIODS * subject.sample_rate_hz / cutoff_hz).ceil() as usize + 50;
     let mut impulse = Series::zeros(2 * half + 1, 1);

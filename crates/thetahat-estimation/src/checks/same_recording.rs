@@ -1,27 +1,27 @@
 //! Two recordings that hold the same samples.
 //!
 //! Positions and torques of all joints at one time are a fingerprint: a robot that repeats a motion repeats its positions,
-//! and not the noise of its torques.
+//! but not the noise of its torques.
 
 use std::collections::HashSet;
 
 use super::{
     companion::Companion,
-    finding::{Code, Finding, Severity},
+    finding::{Code, Finding, Measure, Severity},
     numbers::span,
 };
 use thetahat_ground::series::Series;
 
-/// Percent of the moving samples of the shorter recording that another one holds. Clean pairs have none: the two of the
+/// Percent of the moving samples of the shorter recording that the other one contains. Clean pairs share none: the two of the
 /// KUKA, the two of EMPS, whose motion is the same, and twins that repeat a motion with other noise.
 const LIMIT_PERCENT: f64 = 5.0;
-/// Numbers of a fingerprint at least: of a robot with few joints, several samples are one.
+/// Fewest numbers of a fingerprint: for a robot with few joints it spans several samples.
 const NUMBERS: usize = 12;
-/// Samples of a fingerprint of a robot with few joints are this many at most.
+/// Most samples of a fingerprint.
 const MOST_SAMPLES: usize = 6;
-/// Parts of a channel's span in which numbers are equal: a copy may be rounded.
+/// Numbers count as equal within this part of a channel's span: a copy may be rounded.
 const EQUAL: f64 = 1e-3;
-/// Most fingerprints that are looked for.
+/// Most fingerprints that are compared.
 const ENOUGH: usize = 20_000;
 
 /// The findings, pair by pair.
@@ -31,9 +31,10 @@ pub(super) fn check(companions: &[Companion<'_>]) -> Vec<Finding> {
 }
 
 /// The largest share of each pair.
-pub(super) fn measure(companions: &[Companion<'_>]) -> Vec<(Code, f64, f64)> {
+pub(super) fn measure(companions: &[Companion<'_>]) -> Vec<Measure> {
     let shared = pairs(companions).filter_map(|(a, b)| shared_percent(a, b));
-    shared.map(|percent| (Code::SameRecording, percent, LIMIT_PERCENT)).collect()
+    let measure = |value| Measure { code: Code::SameRecording, joint: None, value, limit: LIMIT_PERCENT };
+    shared.map(measure).collect()
 }
 
 fn pairs<'c, 'a>(companions: &'c [Companion<'a>]) -> impl Iterator<Item = (&'c Companion<'a>, &'c Companion<'a>)> {
@@ -43,13 +44,13 @@ fn pairs<'c, 'a>(companions: &'c [Companion<'a>]) -> impl Iterator<Item = (&'c C
 fn finding(a: &Companion<'_>, b: &Companion<'_>, percent: f64) -> Finding {
     let (why, remedy) = if a.held_back == b.held_back {
         (
-            "the same rows count twice, and the intervals are too narrow",
-            "take one of them out, or give them windows that do not overlap (window_start_s, window_end_s in [[recording]])",
+            "the same rows count twice, so the intervals are too narrow",
+            "remove one of them, or give them windows that do not overlap (window_start_s, window_end_s in [[recording]])",
         )
     } else {
         (
-            "the estimate has seen what it is validated on",
-            "validate on another recording, or give the two windows that do not overlap (window_start_s, window_end_s)",
+            "the validation uses data of the estimate",
+            "validate on another recording, or give the two recordings windows that do not overlap (window_start_s, window_end_s)",
         )
     };
     Finding {
@@ -70,7 +71,7 @@ fn finding(a: &Companion<'_>, b: &Companion<'_>, percent: f64) -> Finding {
     }
 }
 
-/// Percent of the moving samples of the shorter one that the other holds; none where one lacks torques or motion.
+/// Percent of the moving samples of the shorter one that the other contains; `None` if one lacks torques or motion.
 fn shared_percent(a: &Companion<'_>, b: &Companion<'_>) -> Option<f64> {
     let (a, b) = (Samples::of(a)?, Samples::of(b)?);
     let (short, long) = if a.position.len() < b.position.len() { (a, b) } else { (b, a) };

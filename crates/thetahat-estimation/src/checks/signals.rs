@@ -7,7 +7,7 @@ use super::{
 use crate::signal::{Derivative, SignalError, band_pass};
 use thetahat_ground::series::Series;
 
-/// Peak velocity in rad/s or m/s below which a coordinate counts as still, as in the choice of the window.
+/// Peak velocity in rad/s or m/s below which a coordinate does not move, as in the choice of the window.
 pub(super) const STILL: f64 = 1e-3;
 
 /// The motion of the window at the full rate, band-passed as for the estimate.
@@ -46,8 +46,8 @@ impl Signals {
     }
 }
 
-/// The standard deviation of white noise on a smooth signal, from the median size of its sixth differences: they hold
-/// `sqrt(924)` times the noise and none of the motion.
+/// The standard deviation of white noise on a smooth signal, from the median size of its sixth differences: they are
+/// `sqrt(924)` times the noise, without the motion.
 fn white_noise(x: &[f64]) -> f64 {
     const BINOMIAL: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
     let sixth = x.windows(7).map(|w| w.iter().zip(BINOMIAL).map(|(x, b)| b * x).sum::<f64>());

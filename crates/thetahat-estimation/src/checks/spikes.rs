@@ -1,7 +1,7 @@
 //! Outliers of single samples.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::{NORMAL_PER_MEDIAN, quantile_abs},
 };
@@ -10,17 +10,17 @@ use thetahat_ground::series::Series;
 
 /// Distance of a sample from the median of the five around it, in robust standard deviations.
 const OUTLYING: f64 = 12.0;
-/// The same as part of the signal's span: smaller outliers do not matter.
+/// The same as part of the signal's span: smaller outliers are harmless.
 const VISIBLE: f64 = 0.01;
-/// The same in steps of the signal between its other samples around: a swing, a kink or a slip goes as far in one step.
+/// The same in steps between the other samples around: a swing, a kink or a slip moves as much in one step.
 const STEPS: f64 = 3.0;
-/// Samples around to each side whose steps are looked at.
+/// Samples to each side whose steps are compared.
 const AROUND: usize = 8;
-/// Part of the samples from which outliers of one size are the drive's own, and how far the sizes may differ: their upper and
-/// lower decile. A velocity loop answers each step of a coarse encoder with the same torque.
+/// Part of the samples above which outliers of equal size come from the drive, and the largest ratio of the upper to the lower
+/// decile of equal sizes. A velocity loop answers each step of a coarse encoder with the same torque.
 const OFTEN: f64 = 0.01;
-const ONE_SIZE: f64 = 1.25;
-/// Samples of which the median is taken.
+const EQUAL_SIZE: f64 = 1.25;
+/// Samples of the running median.
 const NEIGHBOURS: usize = 5;
 
 pub(super) fn check(exam: &mut Examination<'_>) {
@@ -40,38 +40,38 @@ fn spikes(exam: &mut Examination<'_>, code: Code, series: &Series, j: usize) {
     let (count, start) = (found.len(), exam.subject.signal.window.start);
     let first = found.first().map_or(0, |outlier| outlier.sample + start);
     let evidence = Evidence { code, coordinate: Some(j), value: count as f64, unit: "samples", limit: 0.5 };
-    let off = format!("joint {number}: {count} samples of the {what} lie far off their neighbours");
+    let seen = format!("joint {number}: {count} samples of the {what} differ much from their neighbours");
     if let Some(size) = steps_of_a_drive(&found, x.len()) {
         exam.judge(evidence, Severity::Note, || {
-            Words::new(
-                format!("{off}, by {size:.3} each, the first is sample {first}"),
-                "nothing to do where the drive's velocity loop sees the single steps of its encoder: the drive gives these \
-                 torques, and decimation averages them",
+            FindingText::new(
+                format!("{seen}, by {size:.3} each; the first is sample {first}"),
+                "nothing to do if the drive's velocity loop reacts to single steps of its encoder: these torques are real, and \
+                 decimation averages them",
             )
         });
         return;
     }
     exam.judge(evidence, Severity::Warning, || {
-        Words::new(
-            format!("{off}, the first is sample {first}"),
-            "replace them by their neighbours' mean, or find the loose contact or transmission error",
+        FindingText::new(
+            format!("{seen}; the first is sample {first}"),
+            "replace them by their neighbours' mean, or look for a loose contact or a transmission error",
         )
     });
 }
 
-/// A sample that is far off its neighbours.
+/// A sample that differs much from its neighbours.
 struct Outlier {
     sample: usize,
-    /// Distance from the median of those around.
+    /// Distance from the median of the samples around.
     size: f64,
 }
 
-/// The size of outliers that are so many and so much alike that a drive makes them.
+/// The size of outliers that come from a drive: they are many and of equal size.
 fn steps_of_a_drive(found: &[Outlier], samples: usize) -> Option<f64> {
     let sizes: Vec<f64> = found.iter().map(|outlier| outlier.size).collect();
-    let often = sizes.len() as f64 > OFTEN * samples as f64;
-    let alike = often && quantile(&sizes, 0.9) < ONE_SIZE * quantile(&sizes, 0.1);
-    alike.then(|| quantile(&sizes, 0.5))
+    let are_many = sizes.len() as f64 > OFTEN * samples as f64;
+    let are_equal = are_many && quantile(&sizes, 0.9) < EQUAL_SIZE * quantile(&sizes, 0.1);
+    are_equal.then(|| quantile(&sizes, 0.5))
 }
 
 fn outliers(x: &[f64]) -> Vec<Outlier> {
@@ -87,8 +87,8 @@ fn outliers(x: &[f64]) -> Vec<Outlier> {
     (0..off.len()).filter(|k| is_far(*k)).filter(stands_out).map(outlier).collect()
 }
 
-/// The largest step between neighbours of the samples around, without those that are far off themselves. `k` is the
-/// place in the list of medians.
+/// The largest step between neighbours among the samples around, without those that are far off themselves. `k` is the index
+/// in the list of medians.
 fn largest_step_around(x: &[f64], k: usize, is_far: &dyn Fn(usize) -> bool) -> f64 {
     let last = x.len() - NEIGHBOURS;
     let around = k.saturating_sub(AROUND)..=(k + AROUND).min(last);
@@ -113,7 +113,6 @@ mod tests {
         ((78.233 * k as f64).sin() * 43_758.545_3).fract()
     }
 
-    /// It said "16 samples of the torque lie far off their neighbours".
     #[test]
     fn smooth_swings_and_stick_slip_have_no_outliers() {
         let swing: Vec<f64> = (0..2000).map(|k| 50.0 * (1.1 * k as f64).sin().powi(3)).collect();
@@ -127,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn outliers_are_found_beside_noise_and_one_beside_another() {
+    fn outliers_are_found_in_noise_and_next_to_each_other() {
         let mut x: Vec<f64> = (0..2000).map(|k| 10.0 * (0.01 * k as f64).sin() + 0.1 * noise(k)).collect();
         x[300] += 4.0;
         x[1000] -= 5.0;
@@ -137,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn many_of_one_size_are_of_the_drive_and_many_of_any_size_are_faults() {
+    fn many_of_equal_size_come_from_the_drive_and_many_of_any_size_are_faults() {
         let with = |size: fn(usize) -> f64| -> Vec<f64> {
             let chatter = |k: usize| if k.is_multiple_of(17) { size(k) } else { 0.0 };
             (0..4000).map(|k| 10.0 * (0.002 * k as f64).sin() + 1e-3 * noise(k) + chatter(k)).collect()

@@ -8,20 +8,20 @@ use thetahat_model::{
     robot::{Joint, Robot},
 };
 
-/// How the record is filtered, decimated and cut for the estimate.
+/// How the recording is filtered, decimated and cut for the estimate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SignalSettings {
     /// Order of the Butterworth filter of the positions.
     pub filter_order: usize,
-    /// Its cut-off, Hz.
+    /// Cut-off of that filter, Hz.
     pub cutoff_hz: f64,
-    /// Every how many samples one is kept.
+    /// One of this many samples is kept.
     pub decimation: usize,
-    /// The samples that are used, of the whole record.
+    /// The samples that are used, of the whole recording.
     pub window: Range<usize>,
 }
 
-/// One recording on the joint side, and what it is to be explained by.
+/// One recording on the joint side, with the robot that it belongs to.
 ///
 /// All series have one channel for each coordinate, the same number of samples, and finite values.
 #[derive(Debug, Clone)]
@@ -32,7 +32,7 @@ pub struct Subject<'a> {
     pub model: &'a Model,
     /// The parameters that are to be estimated.
     pub base: &'a BaseParameters,
-    /// All base parameters: what is looked for in the fit is not what a smaller set leaves unexplained.
+    /// All base parameters: the checks of the fit must not see the residual of a smaller set.
     pub all: &'a BaseParameters,
     /// Samples per second.
     pub sample_rate_hz: f64,
@@ -40,26 +40,26 @@ pub struct Subject<'a> {
     pub time_s: Option<&'a [f64]>,
     /// Positions as recorded, rad or m.
     pub position: &'a Series,
-    /// Whether positions or torques were recorded on the motors' side, and came through the transmission.
+    /// Whether positions or torques were recorded on the motor side and converted by the transmission.
     pub geared: bool,
     /// Recorded velocities, if any, rad/s or m/s.
     pub velocity: Option<&'a Series>,
-    /// Torques as recorded, if any, N m or N: without them there is no fit to check.
+    /// Torques as recorded, if any, N m or N; without them there is no fit to check.
     pub torque: Option<&'a Series>,
-    /// Part of a sample period for which a torque is said to hold.
+    /// Part of a sample period for which a torque is stated to be held.
     pub held_part_of_step: f64,
     /// The recorded reference, if any, rad or m.
     pub reference: Option<&'a Series>,
     /// Rms deviation of the motion from the reconstructed reference, if there is one, per coordinate, rad
     /// or m.
     pub reconstructed_deviation: Option<&'a [f64]>,
-    /// Whether a signal was added to the drives behind the controller.
+    /// Whether a signal was added to the controller's output.
     pub added_signal: bool,
-    /// Samples, counted in the window, that make no rows, in ranges that rise: gaps and what the filter makes of them.
+    /// Samples, counted in the window, that make no rows: gaps and the samples that the filter affects. Ascending ranges.
     pub left_out: &'a [Range<usize>],
-    /// Whether samples near rest make no rows either.
+    /// Whether samples near rest are left out as well.
     pub rests_left_out: bool,
-    /// The rate that the times of the file have, where another is stated: the column and its rate, Hz.
+    /// The column of times and its rate, Hz, if another rate is stated.
     pub contradicting_times: Option<(&'a str, f64)>,
     /// Filters, decimation and window.
     pub signal: SignalSettings,
@@ -73,7 +73,7 @@ impl Subject<'_> {
         self.torque.map(|torque| torque.window(self.signal.window.clone()))
     }
 
-    /// The torques that act around the samples of the window: those recorded, or their means where they hold.
+    /// The torques centred on the samples of the window: as recorded, or means of torques that are held.
     pub(super) fn centred_torque_in_window(&self) -> Option<Series> {
         let centred = |torque: &Series| centred_hold(torque, self.held_part_of_step);
         self.torque.map(|torque| centred(torque).window(self.signal.window.clone()))
@@ -84,13 +84,13 @@ impl Subject<'_> {
         &self.robot.joints[self.robot.joint_of(coordinate)]
     }
 
-    /// The number, from one, of a coordinate's joint: its place among all joints, as in the names of parameters.
+    /// The number, from one, of a coordinate's joint among all joints, as in the names of parameters.
     pub(super) fn joint_number(&self, coordinate: usize) -> usize {
         self.robot.joint_of(coordinate) + 1
     }
 
-    /// The estimated parameters, with their columns, of the joint of a coordinate, its link and its motor, and of the
-    /// joints that follow it.
+    /// The estimated parameters, with their columns, of the joint of a coordinate, its link and its motor, and of its mimic
+    /// joints.
     pub(super) fn parameters_of(&self, coordinate: usize) -> impl Iterator<Item = (usize, &BaseParameter)> {
         let (joints, leader) = (&self.robot.joints, self.robot.joint_of(coordinate));
         let is_own = move |joint: usize| joints[joint].mimic.map_or(joint, |mimic| mimic.of) == leader;
@@ -99,7 +99,7 @@ impl Subject<'_> {
         columns.filter(move |(_, parameter)| is_own(table.get(parameter.kept).number - 1))
     }
 
-    /// Their names.
+    /// Names of [`Self::parameters_of`].
     pub(super) fn parameter_names_of(&self, coordinate: usize) -> Vec<String> {
         self.parameters_of(coordinate).map(|(_, parameter)| parameter.name.clone()).collect()
     }

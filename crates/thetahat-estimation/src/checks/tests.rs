@@ -55,7 +55,7 @@ const SAMPLES: usize = 6000;
 /// Amplitude (rad or m), frequency (Hz) and phase (rad) of the sines of each coordinate.
 const SINES: [[[f64; 3]; 2]; 2] = [[[0.8, 0.31, 0.0], [0.4, 0.83, 1.0]], [[0.25, 0.47, 0.5], [0.1, 1.13, 2.0]]];
 
-/// The crane with a record of its motion, which a test spoils.
+/// The crane with a recording of its motion, to which a test adds a fault.
 struct Crane {
     robot: Robot,
     position: Series,
@@ -64,7 +64,7 @@ struct Crane {
 }
 
 impl Crane {
-    /// A clean record, with white noise of 0.2 % of the largest torques.
+    /// A clean recording, with white noise of 0.2 % of the largest torques.
     fn recorded() -> Self {
         Self::moving([1.0, 1.0])
     }
@@ -118,7 +118,7 @@ impl Crane {
         self.with_subject(examine)
     }
 
-    /// The first finding of a code that is no note.
+    /// The first finding of a code that is not a note.
     fn found(&self, code: Code) -> Finding {
         let findings = self.findings();
         let found = findings.iter().find(|f| f.code == code && f.severity < Severity::Note);
@@ -136,7 +136,7 @@ fn motion(order: i32, factor: [f64; 2]) -> Series {
         };
         factor[coordinate] * SINES[coordinate].map(sine).iter().sum::<f64>()
     };
-    Series::from_channels(&[0, 1].map(|c| (0..SAMPLES).map(|k| value(c, k)).collect::<Vec<_>>()))
+    Series::side_by_side(&[0, 1].map(|c| (0..SAMPLES).map(|k| value(c, k)).collect::<Vec<_>>()))
 }
 
 /// Numbers from -1 to 1 that repeat from run to run.
@@ -152,30 +152,30 @@ fn scale(series: &mut Series, coordinate: usize, factor: f64) {
     (0..series.len()).for_each(|k| series.sample_mut(k)[coordinate] *= factor);
 }
 
-/// The joint, name and unit conversion of a finding about one coordinate.
+/// Checks the joint, its name and the text of a finding about one coordinate.
 fn is_about(finding: &Finding, joint: usize, name: &str, words: &str) {
     assert_eq!((finding.joint, finding.joint_name.as_deref()), (Some(joint), Some(name)), "{}", finding.message);
     assert!(finding.message.contains(words), "{}", finding.message);
 }
 
 #[test]
-fn the_clean_record_has_no_finding_but_notes() {
+fn the_clean_recording_has_only_notes() {
     let findings = Crane::recorded().findings();
     assert!(findings.iter().all(|f| f.severity == Severity::Note), "{findings:#?}");
 }
 
 #[test]
-fn degrees_are_looked_for_where_the_coordinate_turns() {
+fn degrees_are_considered_for_revolute_coordinates() {
     let mut crane = Crane::recorded();
     scale(&mut crane.position, 0, 1.0_f64.to_degrees());
-    is_about(&crane.found(Code::PositionScale), 2, "turn", "joint 2's position is taken from degrees (or mm)");
+    is_about(&crane.found(Code::PositionScale), 2, "turn", "joint 2's position is in degrees (or mm)");
 }
 
 #[test]
-fn millimetres_are_looked_for_where_the_coordinate_slides() {
+fn millimetres_are_considered_for_prismatic_coordinates() {
     let mut crane = Crane::recorded();
     scale(&mut crane.position, 1, 1e3);
-    is_about(&crane.found(Code::PositionScale), 3, "slide", "joint 3's position is taken from degrees (or mm)");
+    is_about(&crane.found(Code::PositionScale), 3, "slide", "joint 3's position is in degrees (or mm)");
 }
 
 #[test]
@@ -204,10 +204,15 @@ fn a_still_coordinate_names_its_parameters_and_those_of_its_followers() {
 fn a_deviation_from_the_reference_is_that_of_the_coordinate_s_joint() {
     let mut crane = Crane::recorded();
     crane.reconstructed_deviation[1] = 0.1;
-    is_about(&crane.found(Code::ReferenceMismatch), 3, "slide", "joint 3: the motion is 1.000e-1 rad or m rms off");
+    is_about(
+        &crane.found(Code::ReferenceMismatch),
+        3,
+        "slide",
+        "joint 3: the motion differs from the reconstructed reference by 1.000e-1 rad",
+    );
 }
 
-/// Six joints with links of any parameters, recorded under usual gravity, in a description with another one.
+/// Six joints with links of any parameters, recorded under usual gravity, with another gravity in the description.
 fn six_axes(stated: [f64; 3]) -> Crane {
     let robot = Robot::parse(include_str!("../../../thetahat/demo/tx40.toml"), Path::new("tx40.toml")).unwrap();
     let model = Model::new(&robot);
@@ -219,9 +224,8 @@ fn six_axes(stated: [f64; 3]) -> Crane {
         };
         0.6 * term(0.31 + 0.07 * j as f64, j as f64) + 0.3 * term(0.83 + 0.05 * j as f64, 2.0 * j as f64)
     };
-    let [position, velocity, acceleration] = [0, 1, 2].map(|order| {
-        Series::from_values(6, (0..SAMPLES).flat_map(|k| (0..6).map(move |j| sine(order, j, k))).collect())
-    });
+    let [position, velocity, acceleration] = [0, 1, 2]
+        .map(|order| Series::shaped(6, (0..SAMPLES).flat_map(|k| (0..6).map(move |j| sine(order, j, k))).collect()));
     let phi = Regressor::new(&model, &all);
     let values = phi.evaluate_series(&model, &position, &velocity, &acceleration, Sign::Exact);
     let mut noise = noise();
@@ -238,7 +242,7 @@ fn six_axes(stated: [f64; 3]) -> Crane {
 }
 
 #[test]
-fn gravity_from_elsewhere_is_found() {
+fn another_direction_of_gravity_is_found() {
     let tilt = 0.35_f64;
     let ceiling = ([0.0, 0.0, 9.81], "180 degrees");
     let wall = ([9.81, 0.0, 0.0], "90 degrees");

@@ -1,22 +1,22 @@
-//! The torque's own defects: constant, at its limit, in coarse steps.
+//! Defects of the torque itself: constant, at its limit, in coarse steps.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::{deviation, quantile_abs, span, step_of},
 };
 
-/// Span of a torque, relative to the largest size of any, below which it counts as constant.
+/// Span of a torque, relative to the largest torque of all, below which it counts as constant.
 const CONSTANT: f64 = 1e-9;
-/// Samples at the limit of a drive, percent of the window: the clean records have one sample at each extreme.
+/// Samples at the limit of a drive, percent of the window: the clean recordings have one sample at each extreme.
 const SATURATED_LIMIT_PERCENT: f64 = 0.05;
-/// A limit holds this many times as many samples as the level next to it, which tells it from a coarse step.
+/// A limit has this many times as many samples as the next level, unlike a coarse step.
 const PILE: usize = 5;
-/// Fewest samples of a limit.
+/// Fewest samples at a limit.
 const FEWEST_AT_LIMIT: usize = 10;
 /// Values this close, relative to the span, are the same: the conversion to the motor side rounds.
 const SAME: f64 = 1e-7;
-/// Effect of the torque's steps, percent of its standard deviation; the clean records have less than 0.001.
+/// Effect of the torque's steps, percent of its standard deviation; the clean recordings have less than 0.001.
 const STEP_LIMIT_PERCENT: f64 = 3.0;
 
 pub(super) fn check(exam: &mut Examination<'_>) {
@@ -37,9 +37,9 @@ pub(super) fn check(exam: &mut Examination<'_>) {
 fn constant(exam: &mut Examination<'_>, j: usize, value: f64) {
     let evidence =
         Evidence { code: Code::TorqueConstant, coordinate: Some(j), value, unit: "N m or N", limit: f64::NAN };
-    let words = Words::new(
+    let words = FindingText::new(
         format!("joint {}: the torque is {value} throughout", exam.subject.joint_number(j)),
-        "check the channel's column: the drive was not recorded, or the file names another one",
+        "check the channel's column: the drive was not recorded, or the experiment names another column",
     );
     let severity = if exam.subject.parameter_names_of(j).is_empty() { Severity::Note } else { Severity::Problem };
     exam.raise(evidence, severity, words);
@@ -57,22 +57,22 @@ fn saturation(exam: &mut Examination<'_>, j: usize, drive: &[f64]) {
     };
     let number = exam.subject.joint_number(j);
     exam.judge(evidence, Severity::Warning, || {
-        Words::new(
+        FindingText::new(
             format!("joint {number}: the drive stays at its extreme value for {count} samples ({value:.2} %)"),
-            "the recorded torque is cut off there: move more slowly or widen the drive's or recorder's range",
+            "the recorded torque is clipped: move more slowly, or widen the range of the drive or recorder",
         )
     });
 }
 
-/// Samples at the upper and lower limit, where there is one.
+/// Samples at the upper and lower limit, if any.
 fn at_limit(drive: &[f64]) -> usize {
     let tolerance = SAME * span(drive);
-    let below: Vec<f64> = drive.iter().map(|v| -v).collect();
-    piled(drive, tolerance) + piled(&below, tolerance)
+    let negated: Vec<f64> = drive.iter().map(|v| -v).collect();
+    samples_at_maximum(drive, tolerance) + samples_at_maximum(&negated, tolerance)
 }
 
 /// Samples at the largest value, if there are many more of them than of the next value below.
-fn piled(values: &[f64], tolerance: f64) -> usize {
+fn samples_at_maximum(values: &[f64], tolerance: f64) -> usize {
     let largest = |below: f64| values.iter().copied().filter(|v| *v < below).fold(f64::NEG_INFINITY, f64::max);
     let count = |level: f64| values.iter().filter(|v| (**v - level).abs() <= tolerance).count();
     let extreme = largest(f64::INFINITY);
@@ -95,9 +95,9 @@ fn quantisation(exam: &mut Examination<'_>, j: usize, tau: &[f64]) {
     };
     let number = exam.subject.joint_number(j);
     exam.judge(evidence, Severity::Warning, || {
-        Words::new(
+        FindingText::new(
             format!(
-                "joint {number}: the torque comes in steps of {step:.3e}, an error of {value:.1} % of its deviation"
+                "joint {number}: the torque has steps of {step:.3e}, an error of {value:.1} % of its standard deviation"
             ),
             "record more digits, or a finer current range",
         )

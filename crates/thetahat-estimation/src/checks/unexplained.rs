@@ -1,22 +1,22 @@
-//! Torques of which the model explains no more than their mean: noise, or the torques of something else.
+//! Torques that the model explains no better than their mean: noise, or torques of something else.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::autocorrelation,
-    thinned_record::ThinnedRecord,
+    thinned_recording::ThinnedRecording,
 };
 
-/// Rms residual of a joint per degree of freedom, percent of its torque's deviation. The clean records have at most 48
+/// Rms residual of a joint per degree of freedom, percent of its torque's standard deviation. The clean recordings have at most 48
 /// (recorded KUKA), twins with noise, heavy friction or Stribeck friction 9.
 const LIMIT_PERCENT: f64 = 95.0;
-/// Correlation of neighbouring rows below which a torque is noise: white noise behind the parallel filter has 0.23.
+/// Correlation of neighbouring rows below which a torque is noise: white noise after the parallel filter has 0.23.
 const NOISE_CORRELATION: f64 = 0.4;
 
-pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
-    let Ok(fit) = record.fit() else { return };
-    for j in 0..record.coordinates() {
-        let torque = record.rows_of(&fit.y, j);
+pub(super) fn check(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>) {
+    let Ok(fit) = recording.fit() else { return };
+    for j in 0..recording.coordinates() {
+        let torque = recording.rows_of(&fit.y, j);
         let is_noise = autocorrelation(torque) < NOISE_CORRELATION;
         let code = if is_noise { Code::TorqueNoise } else { Code::WorseThanMean };
         let value = 100.0 * fit.joint_error_per_freedom(j);
@@ -27,21 +27,21 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
             let (message, remedy) = if is_noise {
                 (
                     format!(
-                        "joint {number}: the torque is noise: rows beside one another do not agree, and the model leaves \
-                         {value:.0} % of its deviation"
+                        "joint {number}: the torque is noise: neighbouring rows are uncorrelated, and the model leaves {value:.0} % \
+                         of its standard deviation"
                     ),
-                    "check the torque's column, its scale and its digits: the motion is not in it",
+                    "check the torque's column, its scale and its digits: it does not depend on the motion",
                 )
             } else {
                 (
                     format!(
-                        "joint {number}: the model predicts the torque no better than its mean does ({value:.0} % of its \
-                         deviation is left)"
+                        "joint {number}: the model predicts the torque no better than its mean does (it leaves {value:.0} % of its \
+                         standard deviation)"
                     ),
                     "check that this column is this joint's torque, that it belongs to this motion, and the robot's geometry",
                 )
             };
-            Words::new(message, remedy).about(parameters)
+            FindingText::new(message, remedy).about(parameters)
         });
     }
 }

@@ -1,7 +1,7 @@
-//! Recorded velocities against the derivative of the positions.
+//! Compares recorded velocities with the derivative of the positions.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::{correlation, rms},
     reference_fit::explanation,
@@ -12,7 +12,7 @@ use crate::signal::{Padding, SecondOrderSections, zero_phase};
 
 /// Rms difference, percent of the rms velocity. The recorded KUKA has 2.7 and the UR10 0.4 (clean).
 const LIMIT_PERCENT: f64 = 6.0;
-/// A correlation with another joint that explains what the own joint does not.
+/// Correlation with another joint above which the velocities are exchanged, if that with the own joint is below it.
 const OTHER: f64 = 0.95;
 
 pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
@@ -44,28 +44,28 @@ fn compare(exam: &mut Examination<'_>, recorded: &[f64], motion: &[Vec<f64>], j:
     let severity = if cause.is_some() { Severity::Warning } else { Severity::Note };
     exam.judge(evidence, severity, || {
         let seen = format!(
-            "joint {}: recorded velocity and derivative of the position differ by {value:.0} % rms",
+            "joint {}: the recorded velocity and the derivative of the position differ by {value:.0} % rms",
             subject.joint_number(j)
         );
         let why =
             |cause: String| (cause, "check the velocity's column, unit and sign; the estimate uses the position only");
         let (cause, remedy) = cause.map_or((UNEXPLAINED.to_owned(), USES_POSITION), why);
-        Words::new(format!("{seen}: {cause}"), remedy)
+        FindingText::new(format!("{seen}: {cause}"), remedy)
     });
 }
 
-/// Where no cause is known.
-const UNEXPLAINED: &str = "no gain, delay or other joint explains it, as noise or another filter would";
-const USES_POSITION: &str = "nothing for the estimate, which uses the position only";
+/// The text if no cause is known.
+const UNEXPLAINED: &str = "no gain, delay or other joint explains it; noise or another filter may";
+const USES_POSITION: &str = "nothing to do: the estimate uses the position only";
 
-/// The cause in words; none where none explains most of the difference.
+/// The text of the cause; `None` if no cause explains most of the difference.
 fn cause(subject: &Subject<'_>, recorded: &[f64], motion: &[Vec<f64>], j: usize) -> Option<String> {
     let own = correlation(recorded, &motion[j]);
     let others = (0..motion.len()).filter(|&i| i != j).map(|i| (i, correlation(recorded, &motion[i])));
     if let Some((i, r)) = others.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).filter(|o| o.1.abs() > OTHER)
         && own.abs() < OTHER
     {
-        return Some(format!("it is that of joint {} (correlation {r:.3})", subject.joint_number(i)));
+        return Some(format!("it is the velocity of joint {} (correlation {r:.3})", subject.joint_number(i)));
     }
     explanation(recorded, &motion[j], subject.sample_rate_hz)
 }

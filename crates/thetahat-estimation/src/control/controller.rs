@@ -2,9 +2,10 @@ use std::f64::consts::TAU;
 
 use serde::Deserialize;
 
+use super::own_law::{ControlLaw, LawInput, OwnLaw, ResolvedLaw};
 use thetahat_ground::one_or_each;
 
-/// The structure of the loop.
+/// The structure of the control loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Law {
@@ -14,7 +15,7 @@ pub enum Law {
     Cascaded,
 }
 
-/// What velocity the controller sees.
+/// The velocity that the controller uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum VelocityEstimate {
@@ -25,7 +26,7 @@ pub enum VelocityEstimate {
     AveragedDifference,
 }
 
-/// A controller as it stands in an experiment file.
+/// A controller as an experiment file describes it.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ControllerDescription {
@@ -34,19 +35,19 @@ pub struct ControllerDescription {
     /// Natural frequency of each loop in Hz, one for all or one per motor: the gains follow from the inertia.
     #[serde(default, deserialize_with = "one_or_each::list")]
     pub bandwidth_hz: Vec<f64>,
-    /// Damping of the loops where they are given by their bandwidth.
+    /// Damping ratio of the loops where they are given by their bandwidth.
     #[serde(default = "one")]
     pub damping: f64,
-    /// Position gains, one for all or one per motor, where they are known.
+    /// Position gains, one for all or one per motor, if they are known.
     #[serde(default, deserialize_with = "one_or_each::list")]
     pub position_gain: Vec<f64>,
-    /// Velocity gains, one for all or one per motor, where they are known.
+    /// Velocity gains, one for all or one per motor, if they are known.
     #[serde(default, deserialize_with = "one_or_each::list")]
     pub velocity_gain: Vec<f64>,
-    /// Part of the reference velocity that is fed forward.
+    /// Fraction of the reference velocity that is fed forward.
     #[serde(default)]
     pub velocity_feed_forward: f64,
-    /// Part of the reference acceleration, times the inertia, that is fed forward.
+    /// Fraction of the reference acceleration, times the inertia, that is fed forward.
     #[serde(default)]
     pub acceleration_feed_forward: f64,
     /// Largest drive signal, one for all or one per motor; none means no limit.
@@ -61,6 +62,9 @@ pub struct ControllerDescription {
     /// What velocity the controller sees.
     #[serde(default)]
     pub velocity: VelocityEstimate,
+    /// The user's own law, which acts in the place of `law` and its gains.
+    #[serde(skip)]
+    pub own: Option<OwnLaw>,
 }
 
 fn one() -> f64 {
@@ -100,12 +104,19 @@ pub enum ControllerError {
         /// The key.
         key: &'static str,
     },
+    /// A law of the user's own has its gains in itself.
+    #[error("[controller] {key} is not used by a law of your own: leave it out")]
+    GainOfOwnLaw {
+        /// The key.
+        key: &'static str,
+    },
 }
 
 /// A controller with its gains resolved, one loop for each motor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Controller {
     loops: Vec<Loop>,
+    own: Option<ResolvedLaw>,
     /// Time between samples in s; zero is a continuous controller.
     pub sample_time_s: f64,
     /// Time in s from a sample to the moment when its drive signal acts.
@@ -141,7 +152,27 @@ impl ControllerDescription {
             sample_time_s: 0.0,
             delay_s: 0.0,
             velocity: VelocityEstimate::Exact,
+            own: None,
         }
+    }
+
+    /// A continuous controller with a law of the user's own.
+    #[must_use]
+    pub fn own(law: impl ControlLaw + 'static) -> Self {
+        let none = Self { bandwidth_hz: Vec::new(), velocity_feed_forward: 0.0, ..Self::pd(1.0) };
+        Self { acceleration_feed_forward: 0.0, own: Some(OwnLaw::new(law)), ..none }
+    }
+
+    /// The same sampled, with a time between samples, and one from a sample to the moment when its drive signal acts, s.
+    #[must_use]
+    pub fn sampled(self, sample_time_s: f64, delay_s: f64) -> Self {
+        Self { sample_time_s, delay_s, ..self }
+    }
+
+    /// The user's own law, if it has one.
+    #[must_use]
+    pub fn own_law(&self) -> Option<&dyn ControlLaw> {
+        self.own.as_ref().map(OwnLaw::get)
     }
 
     /// Checks the description for `motors` motors.
@@ -170,11 +201,31 @@ impl ControllerDescription {
                 return Err(ControllerError::OutOfRange { key, expected, found });
             }
         }
+        if let Some(law) = self.own_law() {
+            return self.validate_own(law);
+        }
         let [by_bandwidth, kp, kv] =
             [&self.bandwidth_hz, &self.position_gain, &self.velocity_gain].map(|list| !list.is_empty());
         let given_once = if by_bandwidth { !kp && !kv } else { kp && kv };
         if !given_once {
             return Err(ControllerError::Gains);
+        }
+        self.validate_times()
+    }
+
+    fn validate_own(&self, law: &dyn ControlLaw) -> Result<(), ControllerError> {
+        let gains = [
+            ("bandwidth_hz", self.bandwidth_hz.is_empty()),
+            ("position_gain", self.position_gain.is_empty()),
+            ("velocity_gain", self.velocity_gain.is_empty()),
+            ("velocity_feed_forward", self.velocity_feed_forward == 0.0),
+            ("acceleration_feed_forward", self.acceleration_feed_forward == 0.0),
+        ];
+        if let Some((key, _)) = gains.into_iter().find(|(_, is_unused)| !is_unused) {
+            return Err(ControllerError::GainOfOwnLaw { key });
+        }
+        if law.memory() > 0 && self.sample_time_s == 0.0 {
+            return Err(ControllerError::NotSampled { key: "the memory of a law" });
         }
         self.validate_times()
     }
@@ -227,6 +278,7 @@ impl ControllerDescription {
         };
         Controller {
             loops: inertia.iter().enumerate().map(resolve_loop).collect(),
+            own: self.own.clone().map(|law| ResolvedLaw::new(law, scale, inertia.len())),
             sample_time_s: self.sample_time_s,
             delay_s: self.delay_s,
             velocity: self.velocity,
@@ -272,8 +324,20 @@ impl Controller {
     #[must_use]
     pub fn command(&self, i: usize, e: f64, v: f64, dr: f64, ddr: f64) -> f64 {
         let l = &self.loops[i];
+        if let Some(own) = &self.own {
+            return own.command(&LawInput::new(i, [e, v, dr, ddr])).clamp(-l.limit, l.limit);
+        }
         let u = l.position * e + l.velocity * (l.velocity_feed_forward * dr - v) + l.acceleration_feed_forward * ddr;
         u.clamp(-l.limit, l.limit)
+    }
+
+    /// The drive signal of motor `i` at a sample: a law of the user's own takes note of it.
+    pub(crate) fn sample(&mut self, i: usize, e: f64, v: f64, dr: f64, ddr: f64) -> f64 {
+        let limit = self.loops[i].limit;
+        match &mut self.own {
+            Some(own) => own.sample(&LawInput::new(i, [e, v, dr, ddr])).clamp(-limit, limit),
+            None => self.command(i, e, v, dr, ddr),
+        }
     }
 
     /// What one more of position and of velocity takes away from the drive signal of motor `i`: its gains, or zeros where
@@ -281,8 +345,13 @@ impl Controller {
     #[inline]
     #[must_use]
     pub fn slopes(&self, i: usize, e: f64, v: f64, dr: f64, ddr: f64) -> [f64; 2] {
-        let l = &self.loops[i];
-        if self.is_limited(i, e, v, dr, ddr) { [0.0; 2] } else { [l.position, l.velocity] }
+        if self.is_limited(i, e, v, dr, ddr) {
+            return [0.0; 2];
+        }
+        match &self.own {
+            Some(own) => own.slopes(&LawInput::new(i, [e, v, dr, ddr])),
+            None => [self.loops[i].position, self.loops[i].velocity],
+        }
     }
 
     /// Whether the limit acts on the drive signal of motor `i`.
@@ -298,6 +367,16 @@ impl Controller {
     pub fn parts(&self, i: usize, e: f64, v: f64, dr: f64, ddr: f64) -> [f64; 3] {
         let l = &self.loops[i];
         [l.position * e, l.velocity * (l.velocity_feed_forward * dr - v), l.acceleration_feed_forward * ddr]
+    }
+
+    /// The derivative of a user's own law at motor `i` in a direction of error, velocity, and velocity and acceleration of the
+    /// reference; none of a built-in law, whose [`Controller::parts`] are linear.
+    pub(crate) fn derivative_of_own(&self, i: usize, state: [f64; 4], by: [f64; 4]) -> Option<f64> {
+        let own = self.own.as_ref()?;
+        let size = by.iter().fold(1.0_f64, |size, v| size.max(v.abs()));
+        let step = f64::EPSILON.cbrt() / size;
+        let at = |factor: f64| own.command(&LawInput::new(i, std::array::from_fn(|k| state[k] + factor * by[k])));
+        Some((at(step) - at(-step)) / (2.0 * step))
     }
 
     /// Number of motors.

@@ -1,4 +1,4 @@
-//! Controllers as data: PD and cascaded loops with feed-forward, saturation, sample time and delay.
+//! Controllers: PD and cascaded loops as data, with feed-forward, saturation, sample time and delay, and laws of the user's own.
 //!
 //! A controller acts on each motor by itself, in the motor's position expressed in joint units, and gives the drive
 //! signal (motor torque, or volts where the drive has a gain).
@@ -11,7 +11,7 @@
 //! | `u` | drive signal | N m at the motor, or V |
 //!
 //! ```
-//! use thetahat::control::ControllerDescription;
+//! use thetahat_estimation::control::ControllerDescription;
 //! let text = "law = 'pd'\nposition_gain = [100]\nvelocity_gain = [20]\nsaturation = [50]";
 //! let description: ControllerDescription = toml::from_str(text)?;
 //! let controller = description.resolve(&[1.0], 1.0);
@@ -22,5 +22,7 @@
 //! ```
 
 mod controller;
+mod own_law;
 
 pub use controller::{Controller, ControllerDescription, ControllerError, Law, VelocityEstimate};
+pub use own_law::{ControlLaw, LawInput, OwnLaw};

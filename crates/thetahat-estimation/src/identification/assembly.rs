@@ -23,27 +23,26 @@ pub struct Assembly<'a> {
 }
 
 impl<'a> Assembly<'a> {
-    /// An assembly of the columns at `indices` of the model's table, for records that `decimator` fits.
+    /// An assembly of the columns at `indices` of the model's table, for recordings that fit `decimator`.
     #[must_use]
     pub fn new(model: &'a Model, indices: &[usize], decimator: Decimator) -> Self {
         Self { model, regressor: Regressor::new(model, indices), decimator, mask: None, held_part_of_step: 0.0 }
     }
 
-    /// The same with samples of each joint that are zero in y, X and Z; none takes every sample.
+    /// The assembly with some samples of each joint set to zero in y, X and Z; none uses every sample.
     #[must_use]
     pub fn masked(self, mask: Option<Arc<RowMask>>) -> Self {
         Self { mask, ..self }
     }
 
-    /// The same for motions along with which these channels were recorded, as the robot's torque terms take them.
+    /// The assembly for motions recorded with these channels, as the robot's torque terms use them.
     #[must_use]
     pub fn with_channels(self, channels: Option<Series>) -> Self {
         Self { regressor: self.regressor.with_channels(channels), ..self }
     }
 
-    /// The same for a simulated motion whose torques hold for a part of a step: its accelerations are those just behind each
-    /// sample, as its torques are. Its rows are centred on the samples as [`centred_hold`](crate::signal::centred_hold)
-    /// centres torques.
+    /// The assembly for a simulated motion whose torques hold for a fraction of a step: its accelerations are those just after each sample,
+    /// like its torques. Its rows are centred on the samples as [`centred_hold`](crate::signal::centred_hold) centres torques.
     #[must_use]
     pub fn of_held_torques(self, part_of_step: f64) -> Self {
         Self { held_part_of_step: part_of_step, ..self }
@@ -64,7 +63,7 @@ impl<'a> Assembly<'a> {
     /// The vector `y` of decimated torques.
     ///
     /// # Errors
-    /// [`SignalError`] where the record is too short for the filter.
+    /// [`SignalError`] where the recording is too short for the filter.
     pub fn measurement_vector(&self, tau: &Series) -> Result<Vec<f64>, SignalError> {
         let decimated = match &self.mask {
             None => self.decimator.decimate(tau)?,
@@ -73,11 +72,11 @@ impl<'a> Assembly<'a> {
         Ok((0..tau.channels()).flat_map(|j| decimated.channel(j)).collect())
     }
 
-    /// A simulated response and its sensitivities in the rows of y. `fill` is called for one sample after the other and
-    /// writes a value for each joint, and behind the joints' values `parameters` derivatives for each.
+    /// A simulated response and its sensitivities in the rows of y. `fill` is called for each sample in order and writes one value for each
+    /// joint, followed by `parameters` derivatives for each.
     ///
     /// # Errors
-    /// What `fill` refuses, and [`SimulationError::TooShortToFilter`].
+    /// The errors of `fill`, and [`SimulationError::TooShortToFilter`].
     #[doc(hidden)]
     pub fn response_with_sensitivities(
         &self,
@@ -113,7 +112,7 @@ impl<'a> Assembly<'a> {
     /// The observation matrix of a motion: `X` of a measured one, `Z` of a simulated one.
     ///
     /// # Errors
-    /// [`SignalError`] where the record is too short for the filter.
+    /// [`SignalError`] where the recording is too short for the filter.
     pub fn observation_matrix(&self, q: &Series, dq: &Series, ddq: &Series, sign: Sign) -> Result<Matrix, SignalError> {
         let mut samples = BufferedRegressor::new(&self.regressor, self.model, [q, dq, ddq], sign);
         let entries = self.regressor.entries();

@@ -9,7 +9,7 @@ use crate::{
     statistics::{FTest, f_test},
 };
 
-/// When a parameter is not essential.
+/// The rule by which parameters are not essential.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct EliminationRule {
@@ -25,23 +25,23 @@ impl Default for EliminationRule {
     }
 }
 
-/// What an elimination leaves.
+/// The result of an elimination.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Elimination {
     /// Columns kept, in order.
     pub kept: Vec<usize>,
-    /// Columns taken out, in the order in which they went.
+    /// Columns removed, in the order of removal.
     pub eliminated: Vec<usize>,
-    /// The F-test of those kept against all.
+    /// The F-test of the kept columns against all.
     pub f_test: Option<FTest>,
 }
 
-/// Essential parameters: takes out the parameter with the largest relative standard deviation, estimates again, and goes
-/// on until all are below the rule's limit or the F-test of the rest against the full model rejects (A. Janot, P. O.
+/// Essential parameters: removes the parameter with the largest relative standard deviation, estimates again, and
+/// continues until all are below the rule's limit or the F-test of the rest against the full model rejects (A. Janot, P. O.
 /// Vandanjon, M. Gautier, "A generic instrumental variable approach for industrial robot identification", 2014).
 ///
-/// A parameter stays where `is_possible` says no to the columns and estimates that are left without it: what a simulation
-/// cannot do without is essential, however uncertain it is.
+/// A parameter stays if `is_possible` rejects the columns and estimates that remain without it: a parameter that a simulation needs is
+/// essential, however uncertain it is.
 ///
 /// # Errors
 /// [`EstimationError`] where the full set cannot be estimated.
@@ -76,7 +76,7 @@ pub fn eliminate(
     Ok(state)
 }
 
-/// The F-test of a fit with some of the columns against that with all of them.
+/// The F-test of a fit with some of the columns against the fit with all of them.
 #[must_use]
 pub fn nested_f_test(regression: &Regression, reduced: &Fit, full: &Fit) -> Option<FTest> {
     let squares = |fit: &Fit| regression.residual_sum_of_squares(&fit.prediction);
@@ -84,7 +84,7 @@ pub fn nested_f_test(regression: &Regression, reduced: &Fit, full: &Fit) -> Opti
     f_test(squares(reduced), reduced_count, squares(full), full_count, regression.rows_represented())
 }
 
-/// The place of the most uncertain of the parameters that may go.
+/// The index of the most uncertain of the parameters that may be removed.
 fn worst_parameter(fit: &Fit, limit_percent: f64, may_go: impl Fn(usize) -> bool) -> Option<usize> {
     let relative = |i: usize| 100.0 * fit.standard_deviation[i] / fit.theta[i].abs();
     let uncertain = (0..fit.theta.len()).filter(|&i| relative(i) > limit_percent && may_go(i));
@@ -101,7 +101,7 @@ mod tests {
         let noise = |k: usize| ((78.233 * k as f64).sin() * 43758.5453).fract();
         let x = Matrix::from_fn(300, 5, |k, j| (0.037 * (k * (j + 1)) as f64).sin());
         let y: Vec<f64> = (0..300).map(|k| 2.0 * x.at(k, 0) - x.at(k, 3) + 0.1 * noise(k)).collect();
-        let regression = Regression::of_one_series(x, y);
+        let regression = Regression::single_series(x, y);
         let result = eliminate(&regression, EliminationRule::default(), &|_, _| true).unwrap();
         assert_eq!(result.kept, vec![0, 3]);
         assert!(result.f_test.unwrap().p_value > 0.05);

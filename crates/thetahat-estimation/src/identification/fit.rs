@@ -3,14 +3,14 @@ use serde::Deserialize;
 use crate::regression::{Regression, relative_error_percent};
 use thetahat_ground::linear_algebra::{Matrix, PivotedQr};
 
-/// What the squared residual is divided by for the variance.
+/// The divisor of the squared residual for the variance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Divisor {
     /// Rows less parameters: the unbiased one.
     #[default]
     RowsMinusParameters,
-    /// Rows less one, as some published figures have it.
+    /// Rows less one, as in some published figures.
     RowsMinusOne,
 }
 
@@ -45,7 +45,9 @@ pub enum EstimationError {
     #[error("this method needs instruments from a simulation: give a [controller]")]
     NoInstruments,
     /// There are not more rows than parameters.
-    #[error("{rows} rows cannot determine {columns} parameters; take a longer record or a smaller decimation factor")]
+    #[error(
+        "{rows} rows cannot determine {columns} parameters; take a longer recording or a smaller decimation factor"
+    )]
     TooFewRows {
         /// Rows.
         rows: usize,
@@ -54,7 +56,7 @@ pub enum EstimationError {
     },
 }
 
-/// What the loop simulated with parameters answers, in the rows of y.
+/// The response of the loop simulated with parameters, in the rows of y.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedResponse {
     /// The simulated torques or positions, r.
@@ -68,7 +70,7 @@ pub struct SimulatedResponse {
 pub struct Fit {
     /// The parameters.
     pub theta: Vec<f64>,
-    /// Their classical covariance: independent rows of equal variance, once whitened.
+    /// Their classical covariance: independent rows of equal variance, after whitening.
     pub covariance: Matrix,
     /// Their classical standard deviations.
     pub standard_deviation: Vec<f64>,
@@ -80,7 +82,7 @@ pub struct Fit {
     pub condition_number: f64,
 }
 
-/// What an estimator has solved.
+/// The solution of an estimator.
 pub(super) struct Solved {
     pub(super) theta: Vec<f64>,
     /// The covariance of the parameters for rows of variance one, b x b.
@@ -89,7 +91,7 @@ pub(super) struct Solved {
 }
 
 impl Fit {
-    /// The fit of a solution. `design` is what the parameters multiply in the prediction: X, or Z for DIDIM.
+    /// The fit of a solution. `design` is the matrix that the parameters multiply in the prediction: X, or Z for DIDIM.
     ///
     /// # Errors
     /// [`EstimationError::NotFinite`] where a number is not finite.
@@ -105,7 +107,7 @@ impl Fit {
         Self::with_squares(regression, divisor, solved, prediction, squares)
     }
 
-    /// The same with other parameters, as a constrained estimate has them; deviations stay those of the free one.
+    /// The fit with other parameters, for example those of a constrained estimate; standard deviations stay those of the free one.
     #[must_use]
     pub fn moved_to(self, theta: Vec<f64>, regression: &Regression, design: &Matrix) -> Self {
         let prediction = design.times(&theta);
@@ -142,7 +144,7 @@ impl Fit {
         let size = theta.len();
         let rows = regression.y.len();
         let variance = squares / divisor.freedom(rows, size);
-        // One, but for triangular factors: the same squares over the freedom of all rows that they stand for.
+        // One, except for triangular factors: the same squares over the degrees of freedom of all rows that they represent.
         let represented = divisor.freedom(rows, size) / divisor.freedom(regression.rows_represented(), size);
         let fit = Self {
             standard_deviation: (0..size)
@@ -161,7 +163,7 @@ impl Fit {
 }
 
 /// Size of a diagonal entry of R, relative to the largest and with columns of equal norm, below which a column counts as
-/// dependent: a hundredth of what the rounding of a record in double precision leaves.
+/// dependent: a hundredth of the rounding error of a recording in double precision.
 const RANK_TOLERANCE: f64 = 1e-10;
 
 /// The factors of a matrix whose columns are independent.
@@ -175,7 +177,7 @@ pub(super) fn full_rank(a: &Matrix) -> Result<PivotedQr, EstimationError> {
     require_full_rank(PivotedQr::with_equal_columns(a), a.columns())
 }
 
-/// The same for factors that are there already.
+/// Checks that factors computed elsewhere have full rank.
 ///
 /// # Errors
 /// [`EstimationError::NotIdentifiable`] where columns depend on others.

@@ -17,7 +17,7 @@ pub struct Convergence {
     pub parameter_change: f64,
     /// Relative change of the error `|rho|`.
     pub error_change: f64,
-    /// Iterations at the most.
+    /// Most iterations.
     pub iterations: usize,
 }
 
@@ -29,12 +29,12 @@ impl Default for Convergence {
 
 /// Halvings of a step of the parameters whose simulation fails.
 const HALVINGS: usize = 4;
-/// Changes, in multiples of their limit, that so many iterations in a row stay within where they have settled.
+/// Changes, in multiples of their limit, within which several iterations in a row count as settled.
 const SETTLED: f64 = 5.0;
 const SETTLED_FOR: usize = 3;
 
 impl Convergence {
-    /// Whether changes have settled, the last one first: they are no longer the estimates' but the simulations'.
+    /// Whether changes, the last one first, have settled: they are then caused by the simulations and not by the estimates.
     pub(super) fn are_settled(&self, changes: impl Iterator<Item = f64>) -> bool {
         changes.take(SETTLED_FOR).filter(|change| *change <= SETTLED * self.parameter_change).count() == SETTLED_FOR
     }
@@ -42,7 +42,7 @@ impl Convergence {
 
 /// Iterates IDIM-IV (10) or DIDIM (19) from `start`: simulate, build Z, estimate, until both relative changes are small.
 ///
-/// `instruments` simulates the loop with given parameters and returns Z. Where the simulation of new estimates fails, the
+/// step towards them is halved a few times before the iteration ends with the previous estimate.
 /// step towards them is halved a few times before the iteration ends with the estimate before.
 pub fn iterate(
     method: Method,
@@ -59,24 +59,24 @@ pub fn iterate(
     estimation.into_outcome()
 }
 
-/// How an estimation is made.
+/// Settings of an estimation.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct IterationOptions {
     /// What the squared residual is divided by.
     pub divisor: Divisor,
-    /// When it stops.
+    /// When the iteration stops.
     pub convergence: Convergence,
 }
 
-/// An estimation by IV or DIDIM under way. It asks for its simulations, so that those of several can run side by side.
+/// An estimation by IV or DIDIM in progress. It requests its simulations, so that those of several can run together.
 #[derive(Debug, Clone)]
 pub struct Estimation {
     method: Method,
     options: IterationOptions,
-    /// The parameters to simulate next, and those simulated before.
+    /// The parameters to simulate next, and the ones simulated before.
     theta: Vec<f64>,
     before: Vec<f64>,
-    /// How often the step to the next was halved.
+    /// How often the step to the next parameters was halved.
     halvings: usize,
     steps: Steps,
     last: Option<(Fit, f64, Matrix)>,
@@ -84,7 +84,7 @@ pub struct Estimation {
     is_done: bool,
 }
 
-/// What becomes of an estimate and its instruments before it counts: a constrained one may take its place.
+/// Revises an estimate with its instruments before it is accepted: a constrained one may replace it.
 pub type Revision<'a> = &'a mut dyn FnMut(Fit, &Matrix) -> Fit;
 
 impl Estimation {
@@ -99,19 +99,19 @@ impl Estimation {
         Self { method, options, theta: start, before, halvings: 0, steps: Steps::new(), last: None, outcome, is_done }
     }
 
-    /// The parameters with which the loop is to be simulated; none at the end.
+    /// The parameters with which to simulate the loop; none at the end.
     #[must_use]
     pub fn wanted(&self) -> Option<&[f64]> {
         (!self.is_done).then_some(&self.theta)
     }
 
-    /// Factor of the tolerances with which it is to be simulated: below one where changes do not shrink.
+    /// Factor of the tolerances for that simulation: below one if changes do not shrink.
     #[must_use]
     pub fn tolerance(&self) -> f64 {
         self.steps.tolerance
     }
 
-    /// States with which factor of the tolerances it is simulated, where that is not the factor wanted.
+    /// Sets the factor of the tolerances that was used, if it is not the requested one.
     pub fn simulated_with(&mut self, tolerance: f64) {
         self.steps.tolerance = tolerance;
     }
@@ -122,7 +122,7 @@ impl Estimation {
         self.last.is_some()
     }
 
-    /// Wants other start values simulated, after the simulation of those before failed.
+    /// Requests a simulation with other start values, after the simulation of the previous ones failed.
     pub fn start_anew(&mut self, start: Vec<f64>) {
         self.outcome.simulations += 1;
         self.before.clone_from(&start);
@@ -130,7 +130,7 @@ impl Estimation {
         self.steps.restart();
     }
 
-    /// Wants the last estimate simulated in another way, revised, after its simulation failed; false where there is none.
+    /// Requests another simulation of the last estimate, revised, after its simulation failed; false without an estimate.
     pub fn simulate_anew(&mut self, revise: Revision<'_>) -> bool {
         let Some((fit, error, z)) = self.last.take() else { return false };
         let fit = revise(fit, &z);
@@ -141,14 +141,13 @@ impl Estimation {
         true
     }
 
-    /// How it ended, or how far it is.
+    /// The outcome, final or so far.
     #[must_use]
     pub fn into_outcome(self) -> Outcome {
         self.outcome
     }
 
-    /// Takes Z of the loop that was simulated with the parameters wanted, and estimates; where the simulation failed, half
-    /// the step is wanted.
+    /// Receives Z of the loop simulated with the requested parameters, and estimates; if the simulation failed, half the step is requested.
     pub fn take(&mut self, z: Result<Matrix, SimulationError>, regression: &Regression, revise: Revision<'_>) {
         self.outcome.simulations += 1;
         match z {
@@ -171,7 +170,7 @@ impl Estimation {
         (self.outcome.status, self.outcome.reason, self.is_done) = (status, Some(reason), true);
     }
 
-    /// Ends with the last estimate, where there is one.
+    /// Ends with the last estimate, if there is one.
     fn stall(&mut self, cause: SimulationError) {
         let Some((fit, _, z)) = self.last.take() else {
             return self.fail(Status::Diverged, Reason::Simulation(cause));
@@ -182,7 +181,7 @@ impl Estimation {
         self.fail(Status::Stalled, Reason::Stalled { cause, relative_error_percent, parameter_change });
     }
 
-    /// Whether instruments of further simulations would not change an estimate by IV: those of any of the last are valid.
+    /// Whether further simulations would not change an estimate by IV: the last instruments are all valid.
     fn is_settled(&self) -> bool {
         let changes = self.outcome.iterations.iter().rev().map_while(|i| i.parameter_change);
         self.method == Method::IDIM_IV && self.options.convergence.are_settled(changes)
@@ -190,7 +189,7 @@ impl Estimation {
 
     fn accept(&mut self, fit: Fit, z: Matrix, regression: &Regression) {
         let error = norm(&regression.whiten(&regression.residual(&fit.prediction)));
-        // What was simulated first were start values, no estimate.
+        // The first simulation used start values, not an estimate.
         let parameter_change = self.last.as_ref().map(|_| largest_change(&self.theta, &fit));
         let error_change = self.last.as_ref().map(|(_, before, _)| relative_change(*before, error));
         let relative_error_percent = fit.relative_error_percent;
@@ -216,8 +215,8 @@ impl Estimation {
     }
 }
 
-/// The largest change from what was simulated to its estimate, in standard deviations: a change that the data could not tell
-/// from none does not hold up the iteration, however small the estimate is.
+/// The largest change from the simulated parameters to their estimate, in standard deviations: a change that is not distinguishable from
+/// zero does not delay convergence, however small the estimate is.
 fn largest_change(simulated: &[f64], now: &Fit) -> f64 {
     let change = |i: usize| {
         let size = now.standard_deviation[i].max(f64::EPSILON * now.theta[i].abs()).max(f64::MIN_POSITIVE);
@@ -242,7 +241,7 @@ mod tests {
     fn measured() -> Regression {
         let x = z_of(2.0);
         let y = x.times(&[2.0]);
-        Regression::of_one_series(x, y)
+        Regression::single_series(x, y)
     }
 
     fn options(convergence: Convergence) -> IterationOptions {
@@ -251,10 +250,10 @@ mod tests {
 
     #[test]
     fn both_methods_find_the_fixed_point() {
-        // Some noise, so that the deviations to which changes are compared are no rounding.
+        // Some noise, so that the standard deviations to which changes are compared are not rounding errors.
         let Regression { x, y, .. } = measured();
         let y = y.iter().enumerate().map(|(k, y)| y + 1e-8 * (7.7 * k as f64).sin()).collect();
-        let regression = Regression::of_one_series(x.as_ref().clone(), y);
+        let regression = Regression::single_series(x.as_ref().clone(), y);
         let limits = Convergence { parameter_change: 1e-3, error_change: 1e-6, iterations: 50 };
         for method in [Method::IDIM_IV, Method::DIDIM] {
             let outcome = iterate(method, &regression, options(limits), &[1.0], &mut |theta| Ok(z_of(theta[0])));
@@ -263,12 +262,12 @@ mod tests {
         }
     }
 
-    /// A simulator that jumps to and fro between two states: its instruments are valid in both, and DIDIM has no fixed point.
+    /// A simulator that alternates between two states: its instruments are valid in both, and DIDIM has no fixed point.
     #[test]
     fn iv_settles_where_any_instruments_give_nearly_the_same() {
         let Regression { x, y, .. } = measured();
         let y = y.iter().enumerate().map(|(k, y)| y + 1e-2 * (7.7 * k as f64).sin()).collect();
-        let regression = Regression::of_one_series(x.as_ref().clone(), y);
+        let regression = Regression::single_series(x.as_ref().clone(), y);
         let run = |method: Method, jump: f64| {
             let mut calls = 0;
             let mut jumping = |_: &[f64]| {
@@ -301,7 +300,7 @@ mod tests {
         let outcome = iterate(Method::DIDIM, &measured(), IterationOptions::default(), &[1.0], &mut |theta| {
             if theta[0] > 1.2 { Err(fail.clone()) } else { Ok(z_of(theta[0])) }
         });
-        // Halving comes close to 1.2 and no further; the fixed point is 2.
+        // Halving approaches 1.2 and stops there; the fixed point is 2.
         assert!(outcome.iterations.len() > 1 && outcome.iterations.len() < outcome.simulations);
         assert_eq!(outcome.status, Status::Stalled);
         assert_eq!(outcome.fit.unwrap().theta, outcome.iterations.last().unwrap().theta);
@@ -324,7 +323,7 @@ mod tests {
         let regression = {
             let Regression { x, y, .. } = measured();
             let y = y.iter().enumerate().map(|(k, y)| y + 1e-2 * (7.7 * k as f64).sin()).collect();
-            Regression::of_one_series(x.as_ref().clone(), y)
+            Regression::single_series(x.as_ref().clone(), y)
         };
         let mut estimation = Estimation::new(Method::IDIM_IV, options(limits), vec![2.1]);
         while let Some(theta) = estimation.wanted().map(<[f64]>::to_vec) {

@@ -1,10 +1,10 @@
-//! The weights of joints, and the least squares that they follow from, found together.
+//! The weights of joints and their weighted least squares, iterated together.
 
 use super::{
     estimators::idim_ls,
     fit::{Divisor, EstimationError},
 };
-use crate::regression::{Regression, RowLayout};
+use crate::regression::{BlockKey, Regression, RowBlock, RowLayout};
 use thetahat_ground::linear_algebra::Matrix;
 
 /// Largest relative change of a weight in the last step.
@@ -12,20 +12,20 @@ const SETTLED: f64 = 1e-6;
 /// Most steps.
 const MOST_STEPS: usize = 100;
 
-/// The weight of each joint, one over the standard deviation of its residual with these weights.
+/// The weight of each joint, one over the standard deviation of its residual in the fit with these weights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointWeights {
     /// One for each joint.
     pub weights: Vec<f64>,
-    /// Estimates that were made.
+    /// Number of estimates.
     pub steps: usize,
     /// Largest relative change of a weight in the last step.
     pub change: f64,
 }
 
 impl JointWeights {
-    /// Weighted least squares with the weights of its own residual: from equal weights, estimate and weights follow from
-    /// one another until no weight changes by more than a millionth, or a hundred times.
+    /// Weighted least squares with the weights of its own residual: starting from equal weights, estimate and weights are iterated until no
+    /// weight changes by more than a millionth, or a hundred times.
     ///
     /// # Errors
     /// [`EstimationError`] where there is no estimate.
@@ -38,7 +38,7 @@ impl JointWeights {
             let next = rows.joint_weights(&fit.prediction);
             let change = |(new, old): (&f64, &f64)| (new / old - 1.0).abs();
             let steps = found.steps + 1;
-            // The first step is from weights that are none.
+            // The first step starts from equal weights.
             let largest = next.iter().zip(&found.weights).map(change).fold(0.0, f64::max);
             found = Self { weights: next, steps, change: if steps == 1 { f64::INFINITY } else { largest } };
         }
@@ -52,17 +52,18 @@ impl JointWeights {
     }
 }
 
-/// The same squares, joint by joint and recording by recording, in the few rows of triangular factors.
+/// The same sums of squares, per joint and recording, in the few rows of triangular factors.
 fn compressed(regression: &Regression) -> Regression {
     let layout = &regression.layout;
     let mut factors = Vec::new();
     let mut few = RowLayout::empty(layout.joints(), layout.recordings());
     let y = Matrix::from_fn(regression.y.len(), 1, |i, _| regression.y[i]);
-    let all = Matrix::beside(&[&regression.x, &y]);
+    let all = Matrix::side_by_side(&[&regression.x, &y]);
     for block in layout.blocks() {
         let rows = all.row_range(block.rows.clone());
         let factor = if rows.rows() > rows.columns() { rows.triangular_factor() } else { rows };
-        few.push(block.joint, (block.recording, block.stretch), factor.rows());
+        let RowBlock { joint, recording, stretch, .. } = *block;
+        few.push(BlockKey { joint, recording, stretch }, factor.rows());
         factors.push(factor);
     }
     let stacked = Matrix::stack(&factors.iter().collect::<Vec<_>>());

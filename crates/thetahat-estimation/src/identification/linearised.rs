@@ -1,22 +1,22 @@
-//! The problem of a prediction-error method, linearised at parameters.
+//! The problem of a prediction-error method, linearised at given parameters.
 
 use super::fit::{EstimationError, Fit, SimulatedResponse};
 use crate::regression::Regression;
 use thetahat_ground::linear_algebra::{Matrix, PivotedQr, norm};
 
-/// Where a step leads, and its metric.
+/// The result of a step, and its metric.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GaussNewtonStep {
-    /// The parameters behind the step.
+    /// The parameters after the step.
     pub theta: Vec<f64>,
     /// R, b x b: the step minimises `|R (theta - theta_hat)|`.
     pub r: Matrix,
 }
 
-/// What a step leads to in what can be simulated.
+/// Projects a step onto parameters that can be simulated.
 pub type StepProjection<'a> = dyn FnMut(GaussNewtonStep) -> Vec<f64> + 'a;
 
-/// The weighted problem linearised at parameters: `|z - R step|^2` and a constant.
+/// The weighted problem linearised at given parameters: `|z - R step|^2` and a constant.
 #[derive(Debug, Clone)]
 pub(super) struct Linearised {
     pub(super) theta: Vec<f64>,
@@ -35,7 +35,7 @@ impl Linearised {
     ) -> Self {
         let residual = regression.residual(&simulated.response);
         let e = Matrix::from_fn(residual.len(), 1, |k, _| residual[k]);
-        let all = regression.whiten_matrix(&Matrix::beside(&[&simulated.sensitivities, &e])).triangular_factor();
+        let all = regression.whiten_matrix(&Matrix::side_by_side(&[&simulated.sensitivities, &e])).triangular_factor();
         let columns: Vec<usize> = (0..theta.len()).collect();
         let (r, z) = (all.select_columns(&columns), all.column(theta.len()).to_vec());
         Self { theta, r, z, simulated, fit }
@@ -54,15 +54,15 @@ impl Linearised {
         GaussNewtonStep { theta, r: stacked.triangular_factor() }
     }
 
-    /// The largest part of the undamped step in standard deviations; none where parameters are not separated.
-    pub(super) fn whole_step_in_deviations(&self, admit: &mut StepProjection<'_>) -> Option<f64> {
+    /// The largest part of the undamped step in standard deviations; none if parameters are not separated.
+    pub(super) fn whole_step_in_deviations(&self, project: &mut StepProjection<'_>) -> Option<f64> {
         let fit = self.fit.as_ref().ok()?;
-        let behind = admit(self.step(0.0));
-        Some(in_deviations(fit, behind.iter().zip(&self.theta).map(|(b, t)| b - t)))
+        let next = project(self.step(0.0));
+        Some(in_deviations(fit, next.iter().zip(&self.theta).map(|(b, t)| b - t)))
     }
 }
 
-/// What the linearised model adds to `J theta`: `response - J theta`.
+/// The constant part of the linearised model, in addition to `J theta`: `response - J theta`.
 pub(super) fn offset(simulated: &SimulatedResponse, theta: &[f64]) -> Vec<f64> {
     let linear = simulated.sensitivities.times(theta);
     simulated.response.iter().zip(linear).map(|(r, l)| r - l).collect()

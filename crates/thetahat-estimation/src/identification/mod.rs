@@ -13,16 +13,17 @@
 //! condition number is squared.
 //!
 //! ```
-//! use thetahat::{identification::{Method, uncertainty}, linear_algebra::Matrix, regression::Regression};
+//! use thetahat_estimation::{identification::{uncertainty, Method}, regression::Regression};
+//! use thetahat_ground::linear_algebra::Matrix;
 //!
 //! // y = 2 x with a small error: the interval contains 2.
 //! let x = Matrix::from_fn(100, 1, |k, _| (0.1 * k as f64).sin());
 //! let y = (0..100).map(|k| 2.0 * x.at(k, 0) + 1e-3 * (7.0 * k as f64).cos()).collect();
-//! let regression = Regression::of_one_series(x, y);
+//! let regression = Regression::single_series(x, y);
 //! let fit = Method::IDIM_LS.estimate(&regression, None, Default::default())?;
 //! let [low, high] = uncertainty(Method::IDIM_LS, &regression, None, &fit)?.interval_95[0];
 //! assert!(low < 2.0 && 2.0 < high && high - low < 1e-2);
-//! # Ok::<(), thetahat::identification::EstimationError>(())
+//! # Ok::<(), thetahat_estimation::identification::EstimationError>(())
 //! ```
 
 mod assembly;

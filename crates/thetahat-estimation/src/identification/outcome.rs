@@ -1,4 +1,4 @@
-//! How an estimation ended, and the way there.
+//! How an estimation ended, and its iterations.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,11 +10,11 @@ use thetahat_ground::linear_algebra::Matrix;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
-    /// Both changes fell below their limits, or nothing had to be iterated.
+    /// Both changes fell below their limits, or no iteration was needed.
     Converged,
     /// An iteration ended before its changes were small; its last estimate is kept.
     Stalled,
-    /// Steps made one at a time have not converged yet.
+    /// The iterations, one step at a time, have not converged yet.
     IterationLimit,
     /// The simulation of the start values failed.
     Diverged,
@@ -43,27 +43,27 @@ pub enum Reason {
     /// The motion does not give an estimate.
     #[error(transparent)]
     Estimation(EstimationError),
-    /// A simulation failed, also after the step towards its parameters was halved.
+    /// A simulation failed, even after the step towards its parameters was halved.
     #[error(transparent)]
     Simulation(SimulationError),
-    /// A simulation failed, also after the step towards its parameters was halved; an estimate was made before.
+    /// A simulation failed, even after the step towards its parameters was halved; an earlier estimate exists.
     #[error("{cause}; kept is {}", reached(*.relative_error_percent, *.parameter_change))]
     Stalled {
         /// Why the simulation failed.
         cause: SimulationError,
-        /// Relative error of the estimate that is kept, percent.
+        /// Relative error of the kept estimate, percent.
         relative_error_percent: f64,
-        /// Largest change that led to it, in its standard deviations; none after one iteration.
+        /// Largest change that led to it, in standard deviations; none after one iteration.
         parameter_change: Option<f64>,
     },
-    /// The changes were not small enough in time.
+    /// The changes did not become small in the allowed iterations.
     #[error("no convergence within {iterations} iterations; kept is {}", reached(*.relative_error_percent, *.parameter_change))]
     IterationLimit {
         /// Iterations allowed.
         iterations: usize,
-        /// Relative error of the estimate that is kept, percent.
+        /// Relative error of the kept estimate, percent.
         relative_error_percent: f64,
-        /// Largest change that led to it, in its standard deviations; none after one iteration.
+        /// Largest change that led to it, in standard deviations; none after one iteration.
         parameter_change: Option<f64>,
     },
 }
@@ -75,20 +75,20 @@ pub struct Iteration {
     pub theta: Vec<f64>,
     /// Relative error in percent.
     pub relative_error_percent: f64,
-    /// Largest change of an estimate in its standard deviations; none for the first, which follows the start values.
+    /// Largest change of an estimate in standard deviations; none for the first, which follows the start values.
     pub parameter_change: Option<f64>,
     /// Relative change of the error.
     pub error_change: Option<f64>,
 }
 
-/// The end of an estimation and the way there.
+/// The end of an estimation and its iterations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
     /// How it ended.
     pub status: Status,
-    /// Why, where it is not converged.
+    /// Why, if it has not converged.
     pub reason: Option<Reason>,
-    /// The last estimate, absent where there is none to trust.
+    /// The last estimate; none if there is none to trust.
     pub fit: Option<Fit>,
     /// Every iteration.
     pub iterations: Vec<Iteration>,
@@ -96,12 +96,12 @@ pub struct Outcome {
     pub simulations: usize,
     /// The instruments of the last estimate, or the sensitivities of its response.
     pub instruments: Option<Matrix>,
-    /// What the prediction adds to `J theta` where the response is not linear in the parameters.
+    /// The constant that the prediction adds to `J theta` if the response is not linear in the parameters.
     pub offset: Option<Vec<f64>>,
 }
 
 impl Outcome {
-    /// What there is before an estimation: it has not converged, and there is no reason yet.
+    /// The state before an estimation: not converged, and without a reason.
     pub(super) fn nothing() -> Self {
         let (status, iterations) = (Status::IterationLimit, Vec::new());
         Self { status, reason: None, fit: None, iterations, simulations: 0, instruments: None, offset: None }
@@ -118,7 +118,7 @@ impl Outcome {
     }
 }
 
-/// An estimate that is kept, in words.
+/// A kept estimate, in words.
 fn reached(relative_error_percent: f64, parameter_change: Option<f64>) -> String {
     let change = parameter_change.map(|c| format!(", last change {c:.2} standard deviations")).unwrap_or_default();
     format!("the last estimate, error {relative_error_percent:.3} %{change}")

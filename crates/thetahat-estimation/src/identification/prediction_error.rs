@@ -9,27 +9,27 @@ use super::{
 use crate::{regression::Regression, simulation::SimulationError};
 use thetahat_ground::linear_algebra::norm;
 
-/// Damping of the first step that is damped, relative to the squared norms of the columns of J.
+/// First damping that is not zero, relative to the squared norms of the columns of J.
 const FIRST_DAMPING: f64 = 1e-3;
-/// Factor of the damping where a step does not make the error smaller, and one over it where a step does.
+/// Factor of the damping after a step that does not reduce the error, and its inverse after one that does.
 const DAMPING_FACTOR: f64 = 10.0;
-/// Damping below which steps are those of Gauss and Newton.
+/// Damping below which steps are undamped.
 const NO_DAMPING: f64 = 1e-5;
-/// Damping beyond which the steps are too short to find anything.
+/// Damping beyond which the steps are too short to help.
 const MOST_DAMPING: f64 = 1e8;
-/// The undamped step, in standard deviations, below which it is the errors of the simulation that keep it from getting
-/// smaller: simulations get finer tolerances then, a few times.
+/// Size of the undamped step, in standard deviations, below which it is limited by the errors of the simulation: simulations then get finer
+/// tolerances, a few times.
 const NEAR: f64 = 3.0;
-/// Part of the undamped step before below which it gets smaller.
+/// Ratio to the previous undamped step below which the step counts as shrinking.
 const PROGRESS: f64 = 0.5;
 const FINER: f64 = 0.1;
 const REFINEMENTS: i32 = 2;
-/// The undamped step, in standard deviations, up to which a point counts as the minimum where no step makes the error smaller.
+/// The undamped step, in standard deviations, up to which a point counts as the minimum if no step reduces the error.
 const AT_MINIMUM: f64 = 1.0;
-/// Part of the error by which rounding may raise it.
+/// Relative increase of the error that counts as rounding.
 const ROUNDING: f64 = 1e-13;
 
-/// What an estimation wants simulated.
+/// A simulation that an estimation requests.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SimulationRequest<'a> {
     /// The response with these parameters.
@@ -38,23 +38,23 @@ pub enum SimulationRequest<'a> {
     Sensitivities(&'a [f64]),
 }
 
-/// An estimation by CLIE or CLOE under way. It asks for its simulations, so that those of several can run side by side.
+/// An estimation by CLIE or CLOE in progress. It requests its simulations, so that those of several can run together.
 ///
-/// A step is accepted if it makes the weighted error `|y - response|` smaller; else it is damped and made again. A
-/// simulation that fails is an infinite error. The iteration has converged where the undamped step is small against the
+/// A step is accepted if it reduces the weighted error `|y - response|`; otherwise it is damped and repeated. A failed simulation counts as
+/// an infinite error. The iteration has converged where the undamped step is small against the
 /// standard deviations.
 #[derive(Debug, Clone)]
 pub struct PredictionErrorEstimation {
     options: IterationOptions,
     stage: Stage,
-    /// Parameters to begin with that have not been tried.
+    /// Start values that have not been tried.
     starts: Vec<Vec<f64>>,
     /// The parameters with the smallest error so far, and that error.
     best: Option<(Vec<f64>, f64)>,
     point: Option<Linearised>,
     damping: f64,
     linearised: usize,
-    /// The undamped steps in standard deviations where it was linearised, and how often tolerances were made finer.
+    /// The undamped steps in standard deviations at each linearisation, and how often tolerances were made finer.
     whole_steps: Vec<f64>,
     refinements: i32,
     is_held_up: bool,
@@ -67,7 +67,7 @@ enum Stage {
     Start(Vec<f64>),
     /// The best parameters are linearised.
     Linearise(Vec<f64>),
-    /// The parameters behind a step are tried.
+    /// The parameters after a step are tried.
     Step(Vec<f64>),
     Over,
 }
@@ -96,7 +96,7 @@ impl PredictionErrorEstimation {
         }
     }
 
-    /// What is to be simulated; nothing at the end.
+    /// What to simulate next; none at the end.
     #[must_use]
     pub fn wanted(&self) -> Option<SimulationRequest<'_>> {
         match &self.stage {
@@ -106,40 +106,39 @@ impl PredictionErrorEstimation {
         }
     }
 
-    /// Factor of the tolerances with which to simulate.
+    /// Factor of the tolerances of the simulations.
     #[must_use]
     pub fn tolerance(&self) -> f64 {
         FINER.powi(self.refinements)
     }
 
-    /// Whether simulations keep it from the minimum, which is near: one of a step fails, or the finest ones leave errors that keep
-    /// the steps from getting small.
+    /// Whether simulations prevent it from reaching the minimum, which is near: one of a step fails, or even the finest ones have errors
+    /// that keep the steps from shrinking.
     #[must_use]
     pub fn is_held_up(&self) -> bool {
         self.is_held_up
     }
 
-    /// Starts anew from what the undamped step leads to, whatever the error is there.
-    pub fn start_anew(&mut self, admit: &mut StepProjection<'_>) {
+    /// Restarts from the result of the undamped step, whatever its error.
+    pub fn start_anew(&mut self, project: &mut StepProjection<'_>) {
         let Some(point) = &self.point else { return };
-        self.stage = Stage::Start(admit(point.step(0.0)));
+        self.stage = Stage::Start(project(point.step(0.0)));
         self.whole_steps.clear();
         (self.best, self.damping, self.is_held_up) = (None, 0.0, false);
     }
 
-    /// How it ended, or how far it is.
+    /// The outcome, final or so far.
     #[must_use]
     pub fn into_outcome(self) -> Outcome {
         self.outcome
     }
 
-    /// Takes the response that was wanted.
-    /// `admit` says what a step leads to.
+    /// Receives the requested response. `project` projects a step onto parameters that can be simulated.
     pub fn take_response(
         &mut self,
         response: Result<Vec<f64>, SimulationError>,
         regression: &Regression,
-        admit: &mut StepProjection<'_>,
+        project: &mut StepProjection<'_>,
     ) {
         self.outcome.simulations += 1;
         let found = response.map(|response| error(regression, &response)).and_then(|error| {
@@ -147,28 +146,28 @@ impl PredictionErrorEstimation {
         });
         match std::mem::replace(&mut self.stage, Stage::Over) {
             Stage::Start(theta) => self.start(theta, found),
-            Stage::Step(theta) => self.judge(theta, found, admit),
+            Stage::Step(theta) => self.judge(theta, found, project),
             Stage::Linearise(_) | Stage::Over => {}
         }
     }
 
-    /// Takes the response and sensitivities that were wanted. `admit` says what a step leads to.
+    /// Receives the requested response and sensitivities. `project` projects a step onto parameters that can be simulated.
     pub fn take_sensitivities(
         &mut self,
         simulated: Result<SimulatedResponse, SimulationError>,
         regression: &Regression,
-        admit: &mut StepProjection<'_>,
+        project: &mut StepProjection<'_>,
     ) {
         self.outcome.simulations += 1;
         if let Stage::Linearise(theta) = std::mem::replace(&mut self.stage, Stage::Over) {
             match simulated {
-                Ok(simulated) => self.linearise(theta, simulated, regression, admit),
+                Ok(simulated) => self.linearise(theta, simulated, regression, project),
                 Err(cause) => self.stall(cause),
             }
         }
     }
 
-    /// Keeps the best start value; without any the estimation has diverged.
+    /// Keeps the best start value; without one the estimation has diverged.
     fn start(&mut self, theta: Vec<f64>, found: Result<f64, SimulationError>) {
         let failure = found.as_ref().err().cloned();
         if let Ok(error) = found
@@ -190,7 +189,7 @@ impl PredictionErrorEstimation {
         theta: Vec<f64>,
         simulated: SimulatedResponse,
         regression: &Regression,
-        admit: &mut StepProjection<'_>,
+        project: &mut StepProjection<'_>,
     ) {
         let fit = Fit::of_response(regression, &simulated, &theta, self.options.divisor);
         if let Ok(fit) = &fit {
@@ -198,7 +197,7 @@ impl PredictionErrorEstimation {
         }
         let point = Linearised::new(theta, simulated, fit, regression);
         let before = self.whole_step();
-        self.whole_steps.push(point.whole_step_in_deviations(admit).unwrap_or(f64::INFINITY));
+        self.whole_steps.push(point.whole_step_in_deviations(project).unwrap_or(f64::INFINITY));
         let now = self.whole_step();
         let is_stuck = now < NEAR && now > PROGRESS * before;
         let is_small = now <= self.options.convergence.parameter_change;
@@ -213,29 +212,29 @@ impl PredictionErrorEstimation {
             self.refine();
         } else {
             self.is_held_up = is_stuck;
-            self.step(admit);
+            self.step(project);
         }
     }
 
-    /// The last undamped step in standard deviations; none is infinite.
+    /// The last undamped step in standard deviations; infinite if there is none.
     fn whole_step(&self) -> f64 {
         self.whole_steps.last().copied().unwrap_or(f64::INFINITY)
     }
 
-    /// Whether undamped steps are as small as the errors of the finest simulations let them be.
+    /// Whether undamped steps are as small as the errors of the finest simulations allow.
     fn is_settled(&self) -> bool {
         let steps = self.whole_steps.iter().rev().copied();
         self.refinements == REFINEMENTS && self.options.convergence.are_settled(steps)
     }
 
-    /// Tries the step with the damping as it is.
-    fn step(&mut self, admit: &mut StepProjection<'_>) {
+    /// Tries the step with the current damping.
+    fn step(&mut self, project: &mut StepProjection<'_>) {
         let Some(point) = &self.point else { return };
-        self.stage = Stage::Step(admit(point.step(self.damping)));
+        self.stage = Stage::Step(project(point.step(self.damping)));
     }
 
-    /// Accepts a step that makes the error smaller; damps any other.
-    fn judge(&mut self, theta: Vec<f64>, found: Result<f64, SimulationError>, admit: &mut StepProjection<'_>) {
+    /// Accepts a step that reduces the error; damps any other.
+    fn judge(&mut self, theta: Vec<f64>, found: Result<f64, SimulationError>, project: &mut StepProjection<'_>) {
         let best = self.best.as_ref().map_or(f64::INFINITY, |(_, error)| *error);
         self.is_held_up = found.is_err() && self.whole_step() < NEAR;
         match found {
@@ -249,7 +248,7 @@ impl PredictionErrorEstimation {
             }
             _ if self.damping < MOST_DAMPING => {
                 self.damping = (self.damping * DAMPING_FACTOR).max(FIRST_DAMPING);
-                self.step(admit);
+                self.step(project);
             }
             Ok(_) if self.refinements < REFINEMENTS && self.whole_step() < NEAR => self.refine(),
             Ok(_) => self.end_at_limit(),
@@ -264,9 +263,9 @@ impl PredictionErrorEstimation {
         (self.refinements, self.damping) = (self.refinements + 1, 0.0);
     }
 
-    /// Takes note of an iteration.
+    /// Records an iteration.
     fn note(&mut self, fit: &Fit, regression: &Regression) {
-        // To linearise the same parameters again, with finer simulations, is no change of the estimate.
+        // Linearising the same parameters again, with finer simulations, is not a change of the estimate.
         let before = self.point.as_ref().and_then(|p| p.fit.as_ref().ok()).filter(|before| before.theta != fit.theta);
         let size = |fit: &Fit| norm(&regression.whiten(&regression.residual(&fit.prediction)));
         let error_change = before.map(|b| (size(b) - size(fit)).abs() / size(b).max(f64::MIN_POSITIVE));
@@ -289,8 +288,8 @@ impl PredictionErrorEstimation {
         (last.map_or(f64::NAN, |i| i.relative_error_percent), last.and_then(|i| i.parameter_change))
     }
 
-    /// Ends where no step makes the error smaller, or the iterations are used up. Near the minimum, with changes below their
-    /// limits, that is as close as simulations can tell.
+    /// Ends if no step reduces the error or no iterations are left. Near the minimum, with changes below their limits, this is as accurate
+    /// as the simulations.
     fn end_at_limit(&mut self) {
         if self.whole_step() <= AT_MINIMUM && self.has_stopped() {
             return self.end(Status::Converged, None);
@@ -307,7 +306,7 @@ impl PredictionErrorEstimation {
         self.end(Status::Stalled, Some(reason));
     }
 
-    /// Ends with the estimate where the problem was linearised last.
+    /// Ends with the estimate of the last linearisation.
     fn end(&mut self, status: Status, reason: Option<Reason>) {
         (self.outcome.status, self.outcome.reason, self.stage) = (status, reason, Stage::Over);
         let Some(point) = self.point.take() else { return };
@@ -345,7 +344,7 @@ mod tests {
     fn record() -> Regression {
         let SimulatedResponse { mut response, sensitivities } = simulate(&[1.5, 0.2]);
         response.iter_mut().enumerate().for_each(|(k, y)| *y += 1e-3 * (7.7 * k as f64).sin());
-        Regression::of_one_series(sensitivities, response)
+        Regression::single_series(sensitivities, response)
     }
 
     fn estimate(start: Vec<Vec<f64>>, limit: f64) -> Outcome {
@@ -388,7 +387,7 @@ mod tests {
         assert!(errors.windows(2).all(|pair| pair[1] <= pair[0]), "{errors:?}");
     }
 
-    /// Simulations whose errors keep the steps from getting small: the last estimate is kept and has not converged.
+    /// Simulations whose errors keep the steps from shrinking: the last estimate is kept and has not converged.
     #[test]
     fn a_fit_that_goes_nowhere_has_stalled() {
         let regression = record();
@@ -396,7 +395,7 @@ mod tests {
         let mut estimation = PredictionErrorEstimation::new(IterationOptions::default(), vec![start.clone()]);
         while let Some(wanted) = estimation.wanted() {
             match wanted {
-                // Whatever the step, the error is larger.
+                // The error grows with every step.
                 SimulationRequest::Response(theta) => {
                     let worse = if theta == start { 0.0 } else { 10.0 };
                     let response = simulate(theta).response.iter().map(|r| r + worse).collect();
@@ -429,7 +428,7 @@ mod tests {
         assert!(outcome.reason.unwrap().to_string().contains("kept is the last estimate"));
     }
 
-    /// Simulations fail between the start and the minimum, which is near: the estimation starts anew where they do not.
+    /// Simulations fail between the start and the minimum, which is near: the estimation restarts where they succeed.
     #[test]
     fn near_the_minimum_a_failing_simulation_asks_for_another_set() {
         let free = estimate(vec![vec![1.4, 0.2]], f64::INFINITY).fit.unwrap();
@@ -442,17 +441,17 @@ mod tests {
         let mut estimation = PredictionErrorEstimation::new(options, vec![vec![start, free.theta[1]]]);
         let mut anew = Vec::new();
         while let Some(wanted) = estimation.wanted() {
-            let mut admit = |step: GaussNewtonStep| {
+            let mut project = |step: GaussNewtonStep| {
                 let first = if is_kept { step.theta[0].min(limit) } else { step.theta[0] };
                 vec![first, step.theta[1]]
             };
             match wanted {
                 SimulationRequest::Response(theta) => {
                     let response = simulated(theta).map(|s| s.response);
-                    estimation.take_response(response, &regression, &mut admit);
+                    estimation.take_response(response, &regression, &mut project);
                 }
                 SimulationRequest::Sensitivities(theta) => {
-                    estimation.take_sensitivities(simulated(theta), &regression, &mut admit);
+                    estimation.take_sensitivities(simulated(theta), &regression, &mut project);
                 }
             }
             if estimation.is_held_up() && !is_kept {
@@ -477,7 +476,7 @@ mod tests {
         let fit = estimate(vec![vec![1.4, 0.2]], f64::INFINITY).fit.unwrap();
         let (regression, simulated) = (record(), simulate(&fit.theta));
         let y = regression.y.iter().zip(offset(&simulated, &fit.theta)).map(|(y, o)| y - o).collect();
-        let linear = Regression::of_one_series(simulated.sensitivities, y);
+        let linear = Regression::single_series(simulated.sensitivities, y);
         let expected = Method::IDIM_LS.estimate(&linear, None, Divisor::default()).unwrap();
         for i in 0..2 {
             assert!((fit.theta[i] - expected.theta[i]).abs() < 1e-5 * fit.standard_deviation[i]);

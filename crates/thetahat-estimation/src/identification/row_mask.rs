@@ -1,17 +1,18 @@
-//! Which samples of each joint make rows: those near rest, where the sign of the velocity is not known, do not.
+//! Selects the samples of each joint that make rows: it leaves out those near rest, where the sign of the velocity is not known.
 
 use crate::signal::{Decimator, SignalError};
 use thetahat_ground::series::Series;
 use thetahat_model::dynamics::Jump;
 
-/// Samples of each joint that are zero in y, X and Z. Decimation is linear, so what holds of the samples left holds of rows.
+/// Samples of each joint that are zero in y, X and Z. Decimation is linear, so that the rows obey the same equations as the remaining
+/// samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RowMask {
     /// One where a sample is used, zero where it is not: a channel for each coordinate.
     used: Series,
 }
 
-/// What counts as near rest.
+/// The criterion for near rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NearRest {
     /// Velocity of each coordinate, rad/s or m/s, below which the sign of its friction is not known.
@@ -20,15 +21,15 @@ pub struct NearRest {
     pub widened: usize,
 }
 
-/// Largest part of a joint's samples that is left out where little is left: a joint that hardly moves keeps all, so that what
-/// gravity and the other joints do to it is told.
+/// Largest fraction of a joint's samples that is left out if few remain: a joint that hardly moves keeps all, so that the effects of
+/// gravity and of the other joints on it remain identifiable.
 const LARGEST_PART: f64 = 0.8;
-/// Times the samples by which a rest is widened, a period of the cut-off, that are enough to be left: a joint that moves alone
-/// for a part of the record tells of its friction there.
+/// Number of widening widths (each a period of the cut-off) that are enough to remain: a joint that moves alone for a part of the recording
+/// shows its friction there.
 const ENOUGH_PERIODS: usize = 8;
 
 impl RowMask {
-    /// Leaves out the samples of each coordinate on which a jump acts near rest. None where nothing is left out.
+    /// Leaves out the samples of each coordinate on which a jump acts near rest. None if no sample would be left out.
     #[must_use]
     pub fn near_rest(jumps: &[Jump], dq: &Series, rule: &NearRest) -> Option<Self> {
         let mut channels = rule.used(jumps, dq);
@@ -38,7 +39,7 @@ impl RowMask {
                 used.fill(1.0);
             }
         }
-        let mask = Self { used: Series::from_channels(&channels) };
+        let mask = Self { used: Series::side_by_side(&channels) };
         mask.used.values().contains(&0.0).then_some(mask)
     }
 
@@ -46,23 +47,23 @@ impl RowMask {
     #[doc(hidden)]
     pub fn applied_to(&self, series: &Series) -> Series {
         let values = series.values().iter().zip(self.used.values()).map(|(value, used)| value * used);
-        Series::from_values(series.channels(), values.collect())
+        Series::shaped(series.channels(), values.collect())
     }
 
-    /// Makes the values of a sample zero whose coordinates are not used there.
+    /// Sets the values of a sample to zero whose coordinates are not used there.
     pub(super) fn scale(&self, sample: usize, values: &mut [f64], coordinate_of: impl Fn(usize) -> usize) {
         let used = self.used.sample(sample);
         values.iter_mut().enumerate().for_each(|(i, value)| *value *= used[coordinate_of(i)]);
     }
 
-    /// Part of each coordinate's samples that is left out.
+    /// Fraction of each coordinate's samples that is left out.
     #[must_use]
     pub fn left_out(&self) -> Vec<f64> {
         let part = |used: Vec<f64>| 1.0 - used.iter().sum::<f64>() / used.len() as f64;
         (0..self.used.channels()).map(|j| part(self.used.channel(j))).collect()
     }
 
-    /// The part of each row that is used, coordinate by coordinate: what the parallel filter makes of the mask.
+    /// The fraction of each row that is used, coordinate by coordinate: the decimated mask.
     ///
     /// # Errors
     /// [`SignalError`] where the decimator is for another number of samples.
@@ -74,7 +75,7 @@ impl RowMask {
 }
 
 impl NearRest {
-    /// One at a sample where no jump acts on a coordinate near rest, else zero, for each coordinate.
+    /// One at a sample where no jump acts on a coordinate near rest, otherwise zero, for each coordinate.
     #[doc(hidden)]
     pub fn used(&self, jumps: &[Jump], dq: &Series) -> Vec<Vec<f64>> {
         let mut channels = vec![vec![1.0; dq.len()]; dq.channels()];
@@ -91,21 +92,21 @@ impl NearRest {
     }
 }
 
-/// Whether a coordinate keeps all its samples, of which so many are near rest, where rests are widened by some.
+/// Whether a coordinate keeps all its samples, given how many are near rest and by how many samples rests are widened.
 #[doc(hidden)]
 pub fn hardly_moves(near_rest: usize, samples: usize, widened: usize) -> bool {
     let is_left = samples - near_rest;
     near_rest as f64 > LARGEST_PART * samples as f64 && is_left < ENOUGH_PERIODS * widened.max(1)
 }
 
-/// The part of a row that is used, from its sample of the decimated mask.
+/// The fraction of a row that is used, from its sample of the decimated mask.
 #[doc(hidden)]
 pub fn share_of_row(decimated: f64, decimator: &Decimator) -> f64 {
     // The filter rings where the mask jumps.
     (decimated / decimator.constant_gain()).clamp(0.0, 1.0)
 }
 
-/// The samples whose velocity is below a limit or about to change its sign, and so many on either side.
+/// The samples whose velocity is below a limit or about to change its sign, and `widened` samples on either side.
 fn near_rest(velocity: &[f64], limit: f64, widened: usize) -> Vec<bool> {
     let mut near = vec![false; velocity.len()];
     for (k, v) in velocity.iter().enumerate() {
@@ -127,9 +128,9 @@ mod tests {
     }
 
     #[test]
-    fn samples_near_rest_and_beside_it_are_left_out_of_their_own_joint() {
+    fn samples_near_rest_and_next_to_it_are_left_out_of_their_own_joint() {
         let first: Vec<f64> = (0..20).map(|k| f64::from(k) - 9.5).collect();
-        let dq = Series::from_channels(&[first, vec![3.0; 20]]);
+        let dq = Series::side_by_side(&[first, vec![3.0; 20]]);
         let rule = NearRest { velocity: vec![1.0, 1.0], widened: 2 };
         let mask = RowMask::near_rest(&[own(0), own(1)], &dq, &rule).unwrap();
         let used: Vec<usize> = (0..20).filter(|&k| mask.used.sample(k)[0] == 1.0).collect();
@@ -141,7 +142,7 @@ mod tests {
     fn a_motor_near_rest_takes_all_joints_that_move_it() {
         let rule = NearRest { velocity: vec![0.1, 0.1], widened: 0 };
         // The motor's velocity is -1, 3, 0, 3, 3 ...: it changes its sign behind the first sample and at the third.
-        let dq = Series::from_channels(&[vec![2.0; 8], vec![-3.0, 1.0, -2.0, 1.0, 1.0, 1.0, 1.0, 1.0]]);
+        let dq = Series::side_by_side(&[vec![2.0; 8], vec![-3.0, 1.0, -2.0, 1.0, 1.0, 1.0, 1.0, 1.0]]);
         let motor = Jump { velocity: vec![(0, 1.0), (1, 1.0)], acts_on: vec![0, 1] };
         let mask = RowMask::near_rest(&[motor], &dq, &rule).unwrap();
         assert_eq!(mask.left_out(), [0.375, 0.375]);
@@ -149,18 +150,18 @@ mod tests {
 
     #[test]
     fn a_joint_that_hardly_moves_keeps_all_samples() {
-        let dq = Series::from_channels(&[vec![1e-3; 30]]);
+        let dq = Series::side_by_side(&[vec![1e-3; 30]]);
         let rule = NearRest { velocity: vec![0.1], widened: 1 };
         assert_eq!(RowMask::near_rest(&[own(0)], &dq, &rule), None);
     }
 
-    /// It kept its rests, where the velocity's noise is the sign of its friction: fc was 0.11 where 0.5 is true.
+    /// Once all rests were kept, where the sign of the friction is that of the velocity's noise: fc was 0.11, its true value 0.5.
     #[test]
-    fn a_joint_that_moves_for_a_tenth_of_the_record_keeps_that_tenth() {
+    fn a_joint_that_moves_for_a_tenth_of_the_recording_keeps_that_tenth() {
         let moves =
             |from: usize, to: usize| (0..5000).map(|k| if (from..to).contains(&k) { 1.0 } else { 1e-3 }).collect();
         let left_out = |samples: usize| {
-            let dq = Series::from_channels(&[moves(2000, 2000 + samples)]);
+            let dq = Series::side_by_side(&[moves(2000, 2000 + samples)]);
             RowMask::near_rest(&[own(0)], &dq, &NearRest { velocity: vec![0.1], widened: 20 }).map(|m| m.left_out()[0])
         };
         assert_eq!(left_out(500), Some(1.0 - 460.0 / 5000.0));
@@ -170,7 +171,7 @@ mod tests {
     #[test]
     fn shares_are_one_away_from_what_is_left_out_and_zero_inside() {
         let velocity: Vec<f64> = (0..4000).map(|k| if (1000..1600).contains(&k) { 0.0 } else { 1.0 }).collect();
-        let dq = Series::from_channels(&[velocity]);
+        let dq = Series::side_by_side(&[velocity]);
         let mask = RowMask::near_rest(&[own(0)], &dq, &NearRest { velocity: vec![0.1], widened: 0 }).unwrap();
         let decimator = Decimator::new(10, 4000).unwrap();
         let shares = mask.shares(&decimator).unwrap();

@@ -1,32 +1,32 @@
 //! Step control of a fixed-point iteration: which parameters are simulated after an estimate.
 //!
-//! As long as the changes shrink, the estimate itself is simulated. Where they do not, they are the simulation's errors, or the
+//! While the changes shrink, the estimate itself is simulated. If they do not shrink, they are the simulation's errors, or the
 //! map from simulated to estimated parameters is no contraction: simulations get finer tolerances, and steps are mixed by
 //! Anderson's method, in the metric of the regression (D. G. Anderson, "Iterative procedures for nonlinear integral equations",
 //! Journal of the ACM 12(4), 1965; H. F. Walker, P. Ni, SIAM J. Numer. Anal. 49(4), 2011, algorithm AA).
 
 use thetahat_ground::linear_algebra::{Matrix, PivotedQr, dot, norm};
 
-/// Part of the smallest change so far below which a change is progress.
+/// Ratio to the smallest change so far below which a change is progress.
 const PROGRESS: f64 = 0.8;
-/// Iterations in a row without progress after which the control is stepped up.
+/// Iterations in a row without progress after which the next measure is taken.
 const WITHOUT_PROGRESS: usize = 2;
 /// Factor of the simulations' tolerances at each refinement.
 const FINER: f64 = 0.01;
-/// Steps that are mixed.
+/// Number of steps that are mixed.
 const DEPTH: usize = 5;
-/// Diagonal entry of R, relative to the largest, below which an older step says nothing new.
+/// Diagonal entry of R, relative to the largest, below which an older step adds no information.
 const DEPENDENT: f64 = 1e-4;
-/// Least part of an estimate's change that is made.
+/// Smallest fraction of an estimate's change that is made.
 const LEAST_PART: f64 = 1.0 / 16.0;
 
-/// Refinements at the most.
+/// Most refinements.
 const REFINEMENTS: usize = 2;
-/// Change in deviations below which a change that does not shrink is rather the simulation's error: it is refined once more
-/// before steps are mixed.
+/// Change in standard deviations below which a change that does not shrink is more likely the simulation's error: simulations are refined
+/// once more before steps are mixed.
 const CLOSE: f64 = 1.0;
 
-/// What is done where changes do not shrink.
+/// The measure against changes that do not shrink.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Measure {
     /// Simulations get finer tolerances.
@@ -35,7 +35,7 @@ enum Measure {
     Mix,
 }
 
-/// A simulated vector of parameters and what became of it.
+/// A simulated vector of parameters and the resulting change.
 #[derive(Debug, Clone)]
 struct Step {
     point: Vec<f64>,
@@ -70,8 +70,8 @@ impl Steps {
         }
     }
 
-    /// The parameters to simulate next, after `estimate` came of those at `point`. `design` is the matrix whose product with a
-    /// change is its effect, and `largest` the largest change in its standard deviations, where the point was an estimate.
+    /// The parameters to simulate next, after those at `point` gave `estimate`. `design` is the matrix whose product with a change is its
+    /// effect, and `largest` the largest change in standard deviations, if the point was an estimate.
     pub(super) fn next(&mut self, point: &[f64], estimate: &[f64], design: &Matrix, largest: Option<f64>) -> Vec<f64> {
         let change: Vec<f64> = estimate.iter().zip(point).map(|(e, p)| e - p).collect();
         let image = design.times(&change);
@@ -89,12 +89,12 @@ impl Steps {
         if self.is_mixed { self.mixed() } else { estimate.to_vec() }
     }
 
-    /// Forgets the steps so far, which other simulations gave.
+    /// Forgets the steps so far, which were made with other simulations.
     pub(super) fn restart(&mut self) {
         self.taken.clear();
     }
 
-    /// Whether a mixed step made things much worse.
+    /// Whether a mixed step increased the change a lot.
     fn has_overshot(&self, image: &[f64]) -> bool {
         let least = self.taken.iter().map(|s| norm(&s.image)).fold(f64::INFINITY, f64::min);
         self.is_mixed && norm(image) > 2.0 * least
@@ -125,8 +125,8 @@ impl Steps {
         (self.smallest, self.without_progress) = (largest, 0);
     }
 
-    /// What is tried next against changes as large as `largest`, in deviations. A refinement is first, unless simulations are
-    /// fine already.
+    /// The next measure against changes as large as `largest`, in standard deviations. Refinement comes first, unless simulations are fine
+    /// already.
     fn measure(&self, largest: f64) -> Option<Measure> {
         let wants_to_refine = self.refinements == 0 || largest < CLOSE || self.is_mixed;
         if self.refinements < REFINEMENTS && wants_to_refine {
@@ -139,7 +139,7 @@ impl Steps {
         self.part = (0.5 * self.part).max(LEAST_PART);
     }
 
-    /// The combination of the steps whose changes, were the map affine, would be least.
+    /// The combination of the steps that would minimise the change if the map were affine.
     fn mixed(&self) -> Vec<f64> {
         let Some((last, _)) = self.taken.split_last() else { return Vec::new() };
         let mut next: Vec<f64> = last.point.iter().zip(&last.change).map(|(p, c)| p + self.part * c).collect();
@@ -188,7 +188,7 @@ fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Largest change after so many steps of an affine map whose slopes are far from a contraction.
+    /// Largest change after several steps of an affine map whose slopes are far from a contraction.
     fn iterate(steps: usize) -> f64 {
         let (slopes, fixed) = ([-3.0, 0.5, 1.8], [1.0, -2.0, 0.5]);
         let design = Matrix::identity(3);
@@ -209,7 +209,7 @@ mod tests {
         assert!(iterate(14) < 1e-9, "{}", iterate(14));
     }
 
-    /// The control after so many changes of one size to and fro.
+    /// The control after several changes of one size that alternate in sign.
     fn after_noise(size: f64, steps: usize) -> Steps {
         let mut control = Steps::new();
         for k in 0..steps {

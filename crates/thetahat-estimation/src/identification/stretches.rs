@@ -110,7 +110,10 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     use super::*;
-    use crate::{identification::idim_ls, regression::RowLayout};
+    use crate::{
+        identification::idim_ls,
+        regression::{BlockKey, RowLayout},
+    };
 
     /// Stretches of a recording, of which none is shorter than sixteen rows.
     const STRETCHES: usize = 32;
@@ -138,7 +141,9 @@ mod tests {
                 length *= 2;
             }
             let mut layout = RowLayout::empty(1, 1);
-            (0..rows.div_ceil(length)).for_each(|g| layout.push(0, (0, g), length.min(rows - g * length)));
+            (0..rows.div_ceil(length)).for_each(|g| {
+                layout.push(BlockKey { joint: 0, recording: 0, stretch: g }, length.min(rows - g * length))
+            });
             let regression = Regression::new(x, y, layout);
             let fit = idim_ls(&regression, Default::default()).unwrap();
             let residual = regression.residual(&fit.prediction);
@@ -163,7 +168,7 @@ mod tests {
 
     #[test]
     fn one_stretch_has_no_variance() {
-        let regression = Regression::of_one_series(Matrix::from_fn(10, 1, |i, _| i as f64), vec![1.0; 10]);
+        let regression = Regression::single_series(Matrix::from_fn(10, 1, |i, _| i as f64), vec![1.0; 10]);
         assert!(cluster_variances(&regression, None, &[1.0; 10]).is_err());
     }
 
@@ -174,7 +179,7 @@ mod tests {
         let y = [1.0, 3.0, -2.0, 0.0, 4.0, 6.0, -5.0, -7.0];
         let x = Matrix::from_fn(8, 1, |_, _| 1.0);
         let mut layout = RowLayout::empty(1, 1);
-        (0..4).for_each(|stretch| layout.push(0, (0, stretch), 2));
+        (0..4).for_each(|stretch| layout.push(BlockKey { joint: 0, recording: 0, stretch }, 2));
         let means = [2.0, -1.0, 5.0, -6.0];
         let expected = means.iter().map(|m| m * m).sum::<f64>() / 3.0 / 4.0;
         let regression = Regression::new(x, y.to_vec(), layout);

@@ -8,14 +8,14 @@ use crate::{
 };
 use thetahat_ground::linear_algebra::Matrix;
 
-/// How far an estimate may be off, with errors that are correlated in time and differ between joints.
+/// The uncertainty of an estimate, with errors that are correlated in time and differ between joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {
     /// Standard deviation of each parameter, by [`Sandwich::robust`].
     pub standard_deviation: Vec<f64>,
     /// Degrees of freedom of each standard deviation.
     pub freedom: Vec<f64>,
-    /// Intervals that hold the true values 95 times in a hundred, where the method's assumptions hold.
+    /// Intervals that contain the true values with a probability of 95 %, if the method's assumptions hold.
     pub interval_95: Vec<[f64; 2]>,
 }
 
@@ -26,7 +26,7 @@ pub struct Uncertainty {
 /// interval.
 ///
 /// # Errors
-/// As [`Method::influence`], and where there is no finite interval.
+/// As [`Method::influence`], and if there is no finite interval.
 pub fn uncertainty(
     method: Method,
     regression: &Regression,
@@ -48,7 +48,7 @@ impl Uncertainty {
     /// The intervals of estimates from the variances of their errors.
     ///
     /// # Errors
-    /// [`EstimationError::NotFinite`] where there is none.
+    /// [`EstimationError::NotFinite`] if there is none.
     pub fn new(theta: &[f64], variances: &[EstimatedVariance]) -> Result<Self, EstimationError> {
         let interval = |(theta, v): (&f64, &EstimatedVariance)| {
             v.half_width_95().map(|h| [theta - h, theta + h]).ok_or(EstimationError::NotFinite)

@@ -1,4 +1,4 @@
-//! Estimators of the user's own, which stand beside those of the table and are never taken by the advice.
+//! User-defined estimators, in addition to those of the table; the advice never recommends them.
 
 use std::{error::Error, fmt};
 
@@ -8,22 +8,21 @@ use thetahat_ground::linear_algebra::Matrix;
 /// Longest name of an estimator.
 const LONGEST_NAME: usize = 40;
 
-/// What an estimator of the user's own is given: rows of `y = X theta + e`.
+/// The input of a user-defined estimator: rows of `y = X theta + e`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UserRegression {
     /// Observation matrix X, rows by parameters: each row times the weight of its recording.
     pub x: Matrix,
     /// Torques y, weighted alike.
     pub y: Vec<f64>,
-    /// Z of the last iteration of IDIM-IV with the rows of X, weighted alike; none where IDIM-IV was not asked for or has not
-    /// converged.
+    /// Z of the last iteration of IDIM-IV with the rows of X, weighted alike; none if IDIM-IV was not requested or has not converged.
     pub z: Option<Matrix>,
     /// The joint of each row, from zero.
     pub joint: Vec<usize>,
     /// The recording of each row, from zero.
     pub recording: Vec<usize>,
-    /// The part of each row that is left where samples near rest are left out; one elsewhere. The sum of their squares, less
-    /// the parameters, is what a variance of the residual divides by.
+    /// The fraction of each row that is left where samples near rest are left out; one elsewhere. The sum of their squares, less the number
+    /// of parameters, is the divisor of the residual's variance.
     pub share: Vec<f64>,
     /// Names of the parameters, in the order of the columns.
     pub names: Vec<String>,
@@ -32,7 +31,7 @@ pub struct UserRegression {
 }
 
 impl UserRegression {
-    /// The rows that are to be kept.
+    /// The regression with only the rows to keep.
     #[must_use]
     pub fn select_rows(&self, keep: &[bool]) -> Self {
         fn kept<T: Copy>(rows: &[T], keep: &[bool]) -> Vec<T> {
@@ -51,28 +50,28 @@ impl UserRegression {
     }
 }
 
-/// What an estimator of the user's own finds.
+/// The result of a user-defined estimator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UserEstimate {
     /// The parameters, in the order of the columns.
     pub theta: Vec<f64>,
-    /// Their covariance; without it they have no deviations and no intervals.
+    /// Their covariance; without it they have no standard deviations and no intervals.
     pub covariance: Option<Matrix>,
 }
 
-/// Why an estimator of the user's own has no estimate.
+/// Why a user-defined estimator has no estimate.
 pub type UserError = Box<dyn Error + Send + Sync>;
 
-/// The function of an estimator of the user's own.
+/// The function of a user-defined estimator.
 type Estimate = Box<dyn Fn(&UserRegression) -> Result<UserEstimate, UserError> + Send + Sync>;
 
-/// An estimator of the user's own: a name and a function of the regression.
+/// A user-defined estimator: a name and a function of the regression.
 pub struct UserEstimator {
     name: String,
     estimate: Estimate,
 }
 
-/// A name that an estimator of the user's own cannot have.
+/// A name that a user-defined estimator cannot have.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "an estimator of your own cannot be called `{name}`: take a name of at most {LONGEST_NAME} ASCII letters, digits, `-`, `_` \
@@ -84,10 +83,10 @@ pub struct UserEstimatorName {
 }
 
 impl UserEstimator {
-    /// An estimator. Its function is called once with all rows, and for the cross-validation once for each part left out.
+    /// Builds an estimator. Its function is called once with all rows, and in cross-validation once for each part left out.
     ///
     /// # Errors
-    /// [`UserEstimatorName`] for a name that a method has, or that is none.
+    /// [`UserEstimatorName`] for the name of a built-in method, or an invalid one.
     pub fn new(
         name: &str,
         estimate: impl Fn(&UserRegression) -> Result<UserEstimate, UserError> + Send + Sync + 'static,
@@ -106,10 +105,10 @@ impl UserEstimator {
         &self.name
     }
 
-    /// Its estimate, which has a finite number for each parameter, and a covariance of as many or none.
+    /// Its estimate: a finite number for each parameter, and a covariance of the same size or none.
     ///
     /// # Errors
-    /// What its function says, or what is wrong with what it returned.
+    /// The error of its function, or what is wrong with its result.
     pub fn estimate(&self, regression: &UserRegression) -> Result<UserEstimate, UserError> {
         let estimate = (self.estimate)(regression)?;
         estimate.refuse_misfits(&regression.names)?;
@@ -136,10 +135,10 @@ impl UserEstimate {
     }
 }
 
-/// Part of two deviations by which the entries of a covariance may differ from each other, and exceed their product.
+/// Relative rounding, in units of two standard deviations, by which covariances may be asymmetric or exceed their product.
 const ROUNDING: f64 = 1e-6;
 
-/// Refuses what is no covariance: another shape, a negative variance, entries that differ or are larger than variances allow.
+/// Refuses an invalid covariance: wrong shape, negative variance, asymmetric entries or entries larger than the variances allow.
 fn refuse_no_covariance(covariance: &Matrix, names: &[String]) -> Result<(), UserError> {
     let size = names.len();
     if (covariance.rows(), covariance.columns()) != (size, size) {

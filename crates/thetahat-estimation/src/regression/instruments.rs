@@ -10,13 +10,12 @@ pub struct InstrumentalVariables {
     pub basis: Matrix,
     /// `Q^T X`, b x b.
     pub projected: Matrix,
-    /// Its factors.
+    /// Factors of `Q^T X`.
     pub factors: PivotedQr,
 }
 
 impl InstrumentalVariables {
-    /// The projection of X on the basis. `factorise` says how `Q^T X` is factorised: with its columns as they are, or with
-    /// columns of equal norm.
+    /// Projects X on the basis. `factorise` factorises `Q^T X`: with unchanged columns, or with columns of equal norm.
     #[must_use]
     pub fn new(basis: Matrix, x: &Matrix, factorise: fn(&Matrix) -> PivotedQr) -> Self {
         let projected = basis.transposed_times(x);
@@ -24,7 +23,7 @@ impl InstrumentalVariables {
         Self { basis, projected, factors }
     }
 
-    /// The estimate of y.
+    /// The estimate from y.
     #[must_use]
     pub fn solve(&self, y: &[f64]) -> Vec<f64> {
         self.factors.solve(&self.basis.transpose_times(y))

@@ -4,38 +4,50 @@ use thetahat_ground::linear_algebra::Matrix;
 
 /// Rows that follow one another in time: one joint's rows in one recording, or in one stretch of the recording.
 ///
-/// No correlation in time is taken across the ends of a block.
+/// Correlation in time never crosses the ends of a block.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RowBlock {
     /// The joint, from zero.
     pub joint: usize,
     /// The recording, from zero.
     pub recording: usize,
-    /// The stretch of time, from zero, counted over all recordings; blocks of the joints with one number are simultaneous.
+    /// The stretch of time, from zero, counted over all recordings; blocks of different joints with the same number are simultaneous.
     pub stretch: usize,
     /// Its rows in y, X and Z.
     pub rows: Range<usize>,
 }
 
-/// Where the rows of each joint, recording and stretch of time stand in y, X and Z.
+/// The joint, recording and stretch of time of a block.
+#[doc(hidden)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BlockKey {
+    /// The joint, from zero.
+    pub joint: usize,
+    /// The recording, from zero.
+    pub recording: usize,
+    /// The stretch of time, as in [`RowBlock::stretch`].
+    pub stretch: usize,
+}
+
+/// The positions of the rows of each joint, recording and stretch of time in y, X and Z.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RowLayout {
     joints: usize,
     recordings: usize,
     blocks: Vec<RowBlock>,
-    /// The part of each row that a mask leaves; none where there is no mask.
+    /// The part of each row that a mask leaves; `None` without a mask.
     shares: Option<Vec<f64>>,
 }
 
 impl RowLayout {
-    /// The layout of an identification: joint by joint, in each joint recording by recording, with so many rows per joint
-    /// in each recording. A recording is one stretch of time.
+    /// The layout of an identification: joint by joint, for each joint recording by recording, with a given number of rows per
+    /// joint in each recording. A recording is one stretch of time.
     #[must_use]
     pub fn new(joints: usize, rows_of_recordings: &[usize]) -> Self {
         let mut layout = Self { joints, recordings: rows_of_recordings.len(), blocks: Vec::new(), shares: None };
         for joint in 0..joints {
             for (recording, &rows) in rows_of_recordings.iter().enumerate() {
-                layout.push(joint, (recording, recording), rows);
+                layout.push(BlockKey { joint, recording, stretch: recording }, rows);
             }
         }
         layout
@@ -47,39 +59,40 @@ impl RowLayout {
         Self { joints, recordings, blocks: Vec::new(), shares: None }
     }
 
-    /// The same with the part of each row that a mask leaves: errors and columns of a row count as that part of what they
-    /// would be without. None for rows without a mask.
+    /// The same with the part of each row that a mask leaves, which multiplies its error and columns. `None` for rows without a
+    /// mask.
     #[must_use]
     pub fn with_shares(self, shares: Option<Vec<f64>>) -> Self {
         Self { shares, ..self }
     }
 
-    /// The part of each row of a range that a mask leaves; none where there is no mask.
+    /// The part of each row of a range that a mask leaves; `None` without a mask.
     #[must_use]
     pub fn shares(&self, rows: Range<usize>) -> Option<&[f64]> {
         self.shares.as_ref().map(|shares| &shares[rows])
     }
 
-    /// Whether a mask leaves parts of rows.
+    /// Whether there is a mask.
     #[must_use]
     pub fn is_masked(&self) -> bool {
         self.shares.is_some()
     }
 
-    /// The number of rows, each counted by the part of it that a mask leaves.
+    /// The number of rows, each weighted by the square of the part that a mask leaves.
     #[must_use]
     pub fn counted(&self, rows: Range<usize>) -> f64 {
         self.shares(rows.clone()).map_or(rows.len() as f64, |shares| shares.iter().map(|s| s * s).sum())
     }
 
-    /// The same of each joint.
+    /// The same for each joint.
     #[must_use]
     pub fn counted_by_joint(&self) -> Vec<f64> {
         (0..self.joints).map(|joint| self.of_joint(joint).map(|rows| self.counted(rows)).sum()).collect()
     }
 
-    /// Adds a block of so many rows behind the last one.
-    pub fn push(&mut self, joint: usize, (recording, stretch): (usize, usize), rows: usize) {
+    /// Appends a block of `rows` rows.
+    pub fn push(&mut self, key: BlockKey, rows: usize) {
+        let BlockKey { joint, recording, stretch } = key;
         let start = self.len();
         self.blocks.push(RowBlock { joint, recording, stretch, rows: start..start + rows });
     }
@@ -90,7 +103,7 @@ impl RowLayout {
         self.blocks.last().map_or(0, |last| last.rows.end)
     }
 
-    /// Whether there is none.
+    /// Whether there are no rows.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -129,20 +142,19 @@ impl RowLayout {
         self.shares.as_ref().is_none_or(|shares| shares[row] >= 0.5)
     }
 
-    /// The indices of the rows of a joint of which a mask leaves at least half.
+    /// The indices of a joint's rows of which a mask leaves at least half.
     pub fn used_rows_of_joint(&self, joint: usize) -> impl Iterator<Item = usize> + '_ {
         self.rows_of_joint(joint).filter(|row| self.is_used(*row))
     }
 
-    /// The rows of a joint in a recording; empty where it has none.
+    /// The rows of a joint in a recording; empty if it has none.
     #[must_use]
     pub fn block(&self, joint: usize, recording: usize) -> Range<usize> {
         let found = self.blocks.iter().find(|b| b.joint == joint && b.recording == recording);
         found.map_or(0..0, |b| b.rows.clone())
     }
 
-    /// The values of each joint in runs of rows that follow one another: its blocks, cut where a mask leaves less than half
-    /// of a row.
+    /// The values of each joint in runs of consecutive rows: its blocks, split at rows of which a mask leaves less than half.
     #[must_use]
     pub fn runs<'a>(&self, rows: &'a [f64]) -> Vec<Vec<&'a [f64]>> {
         let used = |row: &usize| self.is_used(*row);
@@ -161,7 +173,7 @@ impl RowLayout {
         (0..self.joints).map(|joint| self.of_joint(joint).map(|r| &rows[r]).collect()).collect()
     }
 
-    /// The values of each joint, its blocks one behind the other.
+    /// The values of each joint, its blocks concatenated.
     #[must_use]
     pub fn by_joint(&self, rows: &[f64]) -> Vec<Vec<f64>> {
         self.split(rows).iter().map(|blocks| blocks.concat()).collect()
@@ -174,7 +186,7 @@ impl RowLayout {
         self.split(rows).iter().map(|blocks| blocks.iter().map(squares).sum()).collect()
     }
 
-    /// One value for each row from what its block says.
+    /// One value for each row, computed from its block.
     #[must_use]
     pub fn spread<T: Copy>(&self, of_block: impl Fn(&RowBlock) -> T) -> Vec<T> {
         self.blocks.iter().flat_map(|b| std::iter::repeat_n(of_block(b), b.rows.len())).collect()
@@ -235,10 +247,10 @@ mod tests {
     }
 
     #[test]
-    fn blocks_may_stand_stretch_by_stretch() {
+    fn blocks_may_be_ordered_by_stretch() {
         let mut layout = RowLayout::empty(2, 1);
         for (joint, stretch) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-            layout.push(joint, (0, stretch), 2);
+            layout.push(BlockKey { joint, recording: 0, stretch }, 2);
         }
         assert_eq!(layout.rows_of_joint(1).collect::<Vec<_>>(), [2, 3, 6, 7]);
         assert_eq!(layout.spread(|b| b.stretch), [0, 0, 0, 0, 1, 1, 1, 1]);

@@ -1,16 +1,17 @@
-//! The regression `y = X theta + e` that every estimator, test and check works on.
+//! The regression `y = X theta + e` that all estimators, tests and checks use.
 //!
-//! A [`Regression`] holds the rows, their weights and their [`RowLayout`]. The triangular factors of a reduction are a
-//! regression, too: fewer rows, which stand for all rows of the recordings.
+//! A [`Regression`] has the rows, their weights and their [`RowLayout`]. The triangular factors of a reduction are a regression
+//! as well: few rows that represent all rows of the recordings.
 //!
 //! | letter | word | shape |
 //! | --- | --- | --- |
-//! | `y` | decimated torques, joint by joint, in each joint recording by recording, in time order | r |
+//! | `y` | decimated torques, joint by joint, for each joint recording by recording, in time order | r |
 //! | `X` | observation matrix of the measured motion, same rows | r x b |
 //! | `Z` | instrument matrix: the observation matrix of the simulated motion, same rows | r x b |
 //!
 //! ```
-//! use thetahat::{linear_algebra::Matrix, regression::{Regression, RowLayout}};
+//! use thetahat_estimation::regression::{Regression, RowLayout};
+//! use thetahat_ground::linear_algebra::Matrix;
 //!
 //! // Two joints with two rows each; the second joint's torque is off by a tenth.
 //! let x = Matrix::from_fn(4, 1, |_, _| 1.0);
@@ -25,5 +26,7 @@ mod layout;
 mod rows;
 
 pub use instruments::InstrumentalVariables;
+#[doc(hidden)]
+pub use layout::BlockKey;
 pub use layout::{RowBlock, RowLayout};
 pub use rows::{Regression, relative_error_percent};

@@ -5,19 +5,18 @@ use thetahat_ground::linear_algebra::{Matrix, norm};
 
 /// Rows `y = X theta + e`, with weights and layout.
 ///
-/// X and y are shared: a copy with other weights or a test on the same rows costs no memory.
+/// X and y are shared: copies with other weights need no memory.
 #[derive(Debug, Clone)]
 pub struct Regression {
     /// Observation matrix, r x b.
     pub x: Arc<Matrix>,
     /// Torques, r.
     pub y: Arc<Vec<f64>>,
-    /// Factor of each row of y, X and Z; none where all are one.
+    /// Factor of each row of y, X and Z; `None` if all are one.
     pub weights: Option<Arc<Vec<f64>>>,
     /// Joint, recording and stretch of time of each row.
     pub layout: Arc<RowLayout>,
-    /// Rows of each joint that these stand for: their own number, fewer where a mask leaves parts of them, more where they are
-    /// triangular factors.
+    /// Number of rows of each joint that these represent: their own number, fewer with a mask, more for triangular factors.
     pub represented: Vec<f64>,
     /// Whether the rows of a block follow one another in time, so that their residual can be tested for correlation: the
     /// rows of triangular factors do not.
@@ -25,7 +24,7 @@ pub struct Regression {
 }
 
 impl Regression {
-    /// Rows that stand for themselves, without weights.
+    /// Rows without weights that represent only themselves.
     #[must_use]
     pub fn new(x: Matrix, y: Vec<f64>, layout: RowLayout) -> Self {
         let represented = layout.counted_by_joint();
@@ -41,7 +40,7 @@ impl Regression {
 
     /// Rows of one joint in one recording, without weights.
     #[must_use]
-    pub fn of_one_series(x: Matrix, y: Vec<f64>) -> Self {
+    pub fn single_series(x: Matrix, y: Vec<f64>) -> Self {
         let layout = RowLayout::new(1, &[y.len()]);
         Self::new(x, y, layout)
     }
@@ -58,26 +57,26 @@ impl Regression {
         Self { x: Arc::new(self.x.select_columns(columns)), ..self.clone() }
     }
 
-    /// The same rows with another matrix in the place of X.
+    /// The same rows with another matrix instead of X.
     #[must_use]
     pub fn with_matrix(&self, x: Matrix) -> Self {
         Self { x: Arc::new(x), ..self.clone() }
     }
 
-    /// The same rows with something taken away from y.
+    /// The same rows with an offset subtracted from y.
     #[must_use]
     pub fn less(&self, offset: Option<&[f64]>) -> Self {
-        let taken = |offset: &[f64]| Arc::new(self.y.iter().zip(offset).map(|(y, o)| y - o).collect());
-        Self { y: offset.map_or_else(|| self.y.clone(), taken), ..self.clone() }
+        let subtracted = |offset: &[f64]| Arc::new(self.y.iter().zip(offset).map(|(y, o)| y - o).collect());
+        Self { y: offset.map_or_else(|| self.y.clone(), subtracted), ..self.clone() }
     }
 
-    /// The same rows with another vector in the place of y.
+    /// The same rows with another vector instead of y.
     #[must_use]
     pub fn with_measured(&self, y: Vec<f64>) -> Self {
         Self { y: Arc::new(y), ..self.clone() }
     }
 
-    /// The same for a y of which every sample counts.
+    /// The same for a y to which no mask applies.
     #[must_use]
     pub fn without_mask(&self) -> Self {
         if !self.layout.is_masked() {
@@ -87,7 +86,7 @@ impl Regression {
         Self { represented: layout.counted_by_joint(), layout: Arc::new(layout), ..self.clone() }
     }
 
-    /// Rows that these stand for, of all joints.
+    /// Number of rows that these represent, over all joints.
     #[must_use]
     pub fn rows_represented(&self) -> usize {
         self.represented.iter().sum::<f64>().round() as usize
@@ -129,7 +128,7 @@ impl Regression {
         self.y.iter().zip(prediction).map(|(y, p)| (y - p).powi(2)).sum()
     }
 
-    /// The relative error of each joint, percent; none where its torque is zero.
+    /// The relative error of each joint, percent; `None` if its torque is zero.
     #[must_use]
     pub fn joint_relative_errors_percent(&self, prediction: &[f64]) -> Vec<Option<f64>> {
         let (measured, predicted) = (self.layout.by_joint(&self.y), self.layout.by_joint(prediction));
@@ -139,8 +138,8 @@ impl Regression {
 
     /// The weight of each joint: one over the standard deviation of its residual, from a prediction with equal weights.
     ///
-    /// The deviation of a joint divides by its rows less the parameters that act on it. A joint without residual weighs as
-    /// much as the best of the others.
+    /// The variance of a joint is its sum of squares divided by its rows minus the parameters that act on it. A joint without
+    /// residual gets the largest weight of the others.
     #[must_use]
     pub fn joint_weights(&self, prediction: &[f64]) -> Vec<f64> {
         let joints = self.layout.joints();
@@ -156,8 +155,8 @@ impl Regression {
         deviations.iter().map(|d| 1.0 / d.max(smallest)).collect()
     }
 
-    /// The weight of each row from the weights of its recording and its joint; none where all recordings weigh one and
-    /// joints have no weights.
+    /// The weight of each row from the weights of its recording and its joint; `None` if the weights of all recordings are one
+    /// and joints have no weights.
     #[must_use]
     pub fn row_weights(&self, of_recordings: &[f64], of_joints: Option<&[f64]>) -> Option<Vec<f64>> {
         if of_joints.is_none() && of_recordings.iter().all(|w| *w == 1.0) {
@@ -180,7 +179,7 @@ mod tests {
 
     /// Joint one: two parameters act on three rows; joint two: one parameter, residual zero.
     #[test]
-    fn a_joint_weighs_as_its_residual_is_small() {
+    fn a_joint_with_a_small_residual_has_a_large_weight() {
         let x = Matrix::from_fn(6, 2, |k, c| if k < 3 || c == 1 { 1.0 } else { 0.0 });
         let regression = Regression::new(x, vec![1.0, 2.0, 3.0, 5.0, 5.0, 5.0], RowLayout::new(2, &[3]));
         let weights = regression.joint_weights(&[1.0, 2.0, 1.0, 5.0, 5.0, 5.0]);

@@ -20,7 +20,7 @@ pub struct Motion {
     pub ddq: Series,
 }
 
-/// The band-passed motion of recorded positions, with as many samples as they have and without delay.
+/// The band-passed motion of recorded positions, with the same number of samples and without delay.
 ///
 /// The positions (rad or m, one channel per coordinate) are filtered forward and backward by a Butterworth low-pass of
 /// `filter_order` and `cutoff_hz` with MATLAB's padding ([`zero_phase`]), then differentiated twice by
@@ -29,15 +29,16 @@ pub struct Motion {
 ///
 /// # Errors
 /// As [`SecondOrderSections::butterworth_lowpass`] and [`zero_phase`]: an order of zero, a cut-off that is not between
-/// 0 and half the sample rate, or a record no longer than the padding of `3 filter_order` samples.
+/// 0 and half the sample rate, or a recording no longer than the padding of `3 filter_order` samples.
 ///
 /// ```
-/// use thetahat::{series::Series, signal::{Derivative, band_pass}};
+/// use thetahat_estimation::signal::{band_pass, Derivative};
+/// use thetahat_ground::series::Series;
 /// // 0.5 t^2 at 100 Hz: away from the ends, the acceleration is 1.
-/// let position = Series::from_values(1, (0..400).map(|k| 0.5 * (0.01 * f64::from(k)).powi(2)).collect());
+/// let position = Series::from_values(1, (0..400).map(|k| 0.5 * (0.01 * f64::from(k)).powi(2)).collect())?;
 /// let motion = band_pass(&position, 100.0, 4, 10.0, Derivative::NinePoint)?;
 /// assert!((motion.ddq.sample(200)[0] - 1.0).abs() < 1e-6);
-/// # Ok::<(), thetahat::signal::SignalError>(())
+/// # Ok::<(), thetahat_estimation::signal::SignalError>(())
 /// ```
 pub fn band_pass(
     position: &Series,
@@ -87,7 +88,7 @@ mod tests {
 
     fn sine(hz: f64) -> Series {
         let w = std::f64::consts::TAU * hz / RATE_HZ;
-        Series::from_values(1, (0..4000).map(|k| (w * f64::from(k)).sin()).collect())
+        Series::shaped(1, (0..4000).map(|k| (w * f64::from(k)).sin()).collect())
     }
 
     /// Amplitude of a sine's inner half, from its rms over whole periods.
@@ -117,7 +118,7 @@ mod tests {
     fn white_noise_of_positions_has_the_expected_variance_in_the_velocity() -> Result<(), SignalError> {
         let mut generator = ChaCha8Rng::seed_from_u64(5);
         let noise: Vec<f64> = (0..200_000).map(|_| StandardNormal.sample(&mut generator)).collect();
-        let velocity = band_pass(&Series::from_values(1, noise), RATE_HZ, 4, CUTOFF_HZ, Derivative::NinePoint)?.dq;
+        let velocity = band_pass(&Series::shaped(1, noise), RATE_HZ, 4, CUTOFF_HZ, Derivative::NinePoint)?.dq;
         let variance = velocity.values().iter().map(|v| v * v).sum::<f64>() / 200_000.0;
         let expected = velocity_noise_per_density(4, CUTOFF_HZ, RATE_HZ, Derivative::NinePoint) / (0.5 * RATE_HZ);
         assert!((variance / expected - 1.0).abs() < 0.03, "{variance}, not {expected}");

@@ -1,4 +1,4 @@
-//! The effective bandwidth of a processing chain, measured on what it does.
+//! The effective bandwidth of a processing chain, measured by its impulse response.
 //!
 //! Legend: `h` impulse response, `H(f) = sum_k h[k] exp(-2 pi j f k T)` its Fourier transform, `T` sample time,
 //! `k` counted from the impulse.
@@ -15,15 +15,15 @@ use super::error::SignalError;
 const STEPS_PER_OCTAVE: f64 = 8.0;
 /// Bisections: the bracket shrinks below the rounding of the frequency.
 const BISECTIONS: usize = 50;
-/// Interleaved sums of a Fourier transform: none of them waits for the others.
+/// Interleaved sums of a Fourier transform, so that none waits for the others.
 const SUMS: usize = 8;
-/// The largest response at the ends of the record, relative to its peak.
+/// Largest response at the ends of the recording, relative to its peak, that counts as died out.
 const DIED_OUT: f64 = 1e-6;
-/// The smallest gain at DC, relative to the sum of the terms it is made of.
+/// Smallest gain at DC, relative to the sum of the terms it is made of, that counts as a gain.
 const NO_GAIN: f64 = 1e-9;
 
-/// The lowest frequency, in hertz, where the gain of `process` is `1/sqrt(2)` of its gain at DC; none if the gain stays
-/// above that up to the Nyquist frequency.
+/// The lowest frequency, in hertz, where the gain of `process` is `1/sqrt(2)` of its gain at DC; none if the gain stays above that up to
+/// the Nyquist frequency.
 ///
 /// The bandwidth is measured: an impulse in the middle of `samples` samples of one channel is passed through `process`,
 /// and the Fourier transform of the response is searched from low frequencies upwards, then bisected. So the bandwidth
@@ -33,19 +33,19 @@ const NO_GAIN: f64 = 1e-9;
 /// A zero-phase Butterworth filter of order `n` with cut-off `f_c` has the gain `1 / (1 + (f/f_c)^(2n))` (frequencies
 /// pre-warped, `tan(pi f T)`), so its bandwidth is `f_c (sqrt(2) - 1)^(1/(2n))`: of order 4 at 50 Hz, 44.8 Hz.
 ///
-/// The record must be so long that the response dies out: some ten periods of the cut-off at each side. For decimation
+/// The recording must be long enough for the response to die out: some ten periods of the cut-off at each side. For decimation
 /// probe [`Decimator::filter`](super::Decimator::filter), which drops no sample.
 ///
 /// # Errors
-/// The errors of `process`; and if the response has another length than the record, does not die out at its ends, or
+/// The errors of `process`; and if the response differs in length from the recording, does not die out at its ends, or
 /// has no gain at DC.
 ///
 /// ```
-/// use thetahat::signal::{Padding, SecondOrderSections, minus_3_db_bandwidth_hz, zero_phase};
+/// use thetahat_estimation::signal::{minus_3_db_bandwidth_hz, zero_phase, Padding, SecondOrderSections};
 /// let filter = SecondOrderSections::butterworth_lowpass(4, 50.0, 5000.0)?;
 /// let bandwidth_hz = minus_3_db_bandwidth_hz(5000.0, 10_000, 0, |x| zero_phase(&filter, x, Padding::Matlab))?;
 /// assert!(bandwidth_hz.is_some_and(|f| (f - 44.78).abs() < 0.01));
-/// # Ok::<(), thetahat::signal::SignalError>(())
+/// # Ok::<(), thetahat_estimation::signal::SignalError>(())
 /// ```
 pub fn minus_3_db_bandwidth_hz(
     sample_rate_hz: f64,
@@ -64,7 +64,7 @@ fn middle(samples: usize) -> usize {
     samples / 2
 }
 
-/// The response of the process to an impulse in the middle of the record.
+/// The response of the process to an impulse in the middle of the recording.
 fn probe(samples: usize, process: impl Fn(&Series) -> Result<Series, SignalError>) -> Result<Vec<f64>, SignalError> {
     if samples < 3 {
         return Err(SignalError::RecordTooShort { needed: 3, found: samples });
@@ -110,9 +110,9 @@ impl ImpulseResponse {
         let mut sums = [Complex64::ZERO; SUMS];
         for taps in self.taps.rchunks(SUMS).rev() {
             // The first values may be fewer: they are the last of their sums.
-            let behind = SUMS - taps.len();
+            let skipped = SUMS - taps.len();
             sums.iter_mut().for_each(|sum| *sum *= turns);
-            sums[behind..].iter_mut().zip(taps).for_each(|(sum, h)| *sum += h);
+            sums[skipped..].iter_mut().zip(taps).for_each(|(sum, h)| *sum += h);
         }
         let sum = sums.iter().fold(Complex64::ZERO, |sum, of_eighth| sum * turn + of_eighth);
         sum.norm() / (2.0 * PI * frequency_hz).powi(self.derivatives as i32)
@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_too_short_for_the_response_is_refused() {
+    fn a_recording_too_short_for_the_response_is_refused() {
         let result = minus_3_db_bandwidth_hz(SAMPLE_RATE_HZ, 100, 0, |x| butterworth(4, x));
         assert!(matches!(result, Err(SignalError::ResponseTruncated { samples: 100, .. })));
         let result = minus_3_db_bandwidth_hz(SAMPLE_RATE_HZ, 2, 0, |x| Ok(x.clone()));

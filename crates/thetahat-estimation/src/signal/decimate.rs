@@ -21,7 +21,7 @@ const CUTOFF_FRACTION: f64 = 0.8;
 ///
 /// The filter is a Chebyshev low-pass of type I, order 8, ripple 0.05 dB, cut-off `0.8 / factor` of the Nyquist
 /// frequency, run forward and backward with an odd extension of 24 samples. Of `n` samples, `ceil(n / factor)` are
-/// kept such that the last one kept is the record's last. The two passes have the gain `10^(-0.005) = 0.989` at DC,
+/// kept such that the last one kept is the recording's last. The two passes have the gain `10^(-0.005) = 0.989` at DC,
 /// the same for every channel: it cancels in a regression where both sides are decimated (the "decimate" process with
 /// the parallel filter `F_p`; Brunot, Janot, Carrillo and Garnier, "Comparison between the IDIM-IV method and the DIDIM
 /// method for industrial robots identification", section III-A). Factor 1 filters nothing and keeps every sample.
@@ -29,25 +29,26 @@ const CUTOFF_FRACTION: f64 = 0.8;
 /// The sections are used as such: MATLAB's polynomial form of the same filter loses its digits from factor 13 on.
 ///
 /// ```
-/// use thetahat::{series::Series, signal::Decimator};
+/// use thetahat_estimation::signal::Decimator;
+/// use thetahat_ground::series::Series;
 /// let decimator = Decimator::new(10, 95)?;
 /// assert_eq!(decimator.kept().collect::<Vec<_>>(), [4, 14, 24, 34, 44, 54, 64, 74, 84, 94]);
 /// assert_eq!(decimator.decimate(&Series::zeros(95, 3))?.len(), decimator.rows());
-/// # Ok::<(), thetahat::signal::SignalError>(())
+/// # Ok::<(), thetahat_estimation::signal::SignalError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decimator {
     samples: usize,
     kept: Kept,
     filter: Option<ParallelFilter>,
-    /// Samples that are not used.
+    /// Samples that are left out.
     gaps: Vec<Range<usize>>,
-    /// The places of the rows that are given among those of a record without gaps; empty without gaps.
+    /// Row indices that are kept, among the rows of a recording without gaps; empty without gaps.
     rows: Vec<usize>,
     extension: Extension,
 }
 
-/// The parallel filter: its sections, which give every sample, and its sums over poles, which give those kept.
+/// The parallel filter: as sections, which give every sample, and as sums over poles, which give the kept samples.
 #[derive(Debug, Clone, PartialEq)]
 struct ParallelFilter {
     sections: SecondOrderSections,
@@ -55,10 +56,10 @@ struct ParallelFilter {
 }
 
 impl Decimator {
-    /// The decimation of records of `samples` samples by `factor`.
+    /// The decimation of recordings of `samples` samples by `factor`.
     ///
     /// # Errors
-    /// If the factor is zero or the record is not longer than the padding of 24 samples (empty, for factor 1).
+    /// If the factor is zero or the recording is not longer than the padding of 24 samples (empty, for factor 1).
     pub fn new(factor: usize, samples: usize) -> Result<Self, SignalError> {
         if factor == 0 {
             return Err(SignalError::InvalidFactor { factor });
@@ -72,8 +73,8 @@ impl Decimator {
         Ok(Self { samples, kept, filter, gaps: Vec::new(), rows: Vec::new(), extension })
     }
 
-    /// The same for records of which some samples are not used, in ranges that rise. There every channel goes on at the mean
-    /// of its last samples, so that sums of channels stay sums: what holds of samples holds of rows. No row stands there.
+    /// The decimation with some samples left out, in rising ranges. Within such a range every channel continues at the mean of its last
+    /// samples before it, so that sums of channels stay sums. No row lies within the ranges.
     #[must_use]
     pub fn leaving_out(self, gaps: &[Range<usize>]) -> Self {
         let is_used =
@@ -84,27 +85,27 @@ impl Decimator {
         Self { gaps: gaps.to_vec(), rows, ..self }
     }
 
-    /// The same of records that are zero before their first and behind their last sample. MATLAB's odd extension gives the rows
-    /// at the ends nearly the values of single samples, with their noise; that of the other rows is low-passed. Zeros keep sums of
-    /// channels sums, and what holds of samples holds of rows.
+    /// The decimation of recordings that are zero before their first and after their last sample. MATLAB's odd extension makes the rows at
+    /// the ends nearly the values of single samples, with their noise, while the other rows are low-passed. Zeros keep sums of channels
+    /// sums.
     #[must_use]
     pub fn with_zero_padding(self) -> Self {
         Self { extension: Extension::Zero, ..self }
     }
 
-    /// What the filter makes of a constant one.
+    /// The filter's gain for a constant.
     #[must_use]
     pub fn constant_gain(&self) -> f64 {
         if self.filter.is_some() { 10_f64.powf(-2.0 * RIPPLE_DB / 20.0) } else { 1.0 }
     }
 
-    /// The indices of the samples kept, rising; the last one is the record's last, unless that is left out.
+    /// The indices of the kept samples, rising; the last one is the recording's last, unless it is left out.
     pub fn kept(&self) -> impl Iterator<Item = usize> {
         let Kept { first, step } = self.kept;
         (0..self.rows()).map(move |row| first + step * self.rows.get(row).copied().unwrap_or(row))
     }
 
-    /// The number of samples kept, `ceil(samples / factor)` less those left out.
+    /// The number of kept samples, `ceil(samples / factor)` less those left out.
     #[must_use]
     pub fn rows(&self) -> usize {
         if self.gaps.is_empty() { self.samples.div_ceil(self.kept.step) } else { self.rows.len() }
@@ -113,7 +114,7 @@ impl Decimator {
     /// The samples [`Self::kept`] of the filtered series.
     ///
     /// # Errors
-    /// If the series has not the number of samples announced.
+    /// If the series does not have the announced number of samples.
     pub fn decimate(&self, series: &Series) -> Result<Series, SignalError> {
         if series.len() != self.samples {
             return Err(SignalError::LengthMismatch { expected: self.samples, found: series.len() });
@@ -121,11 +122,10 @@ impl Decimator {
         self.decimate_computed(series.channels(), |k, sample| sample.copy_from_slice(series.sample(k)))
     }
 
-    /// [`Self::decimate`] of a series that is computed and not stored: `fill` is called for one sample after the other
-    /// and writes its channels.
+    /// [`Self::decimate`] of a series that is computed and not stored: `fill` is called for each sample in order and writes its channels.
     ///
     /// # Errors
-    /// None for a decimator that could be made.
+    /// None for a decimator that was built successfully.
     pub fn decimate_computed(
         &self,
         channels: usize,
@@ -140,10 +140,10 @@ impl Decimator {
             bridge.pass(k, sample);
         });
         let values = self.rows.iter().flat_map(|&row| all.sample(row)).copied().collect();
-        Ok(Series::from_values(channels, values))
+        Ok(Series::shaped(channels, values))
     }
 
-    /// The rows of a record without gaps.
+    /// The rows of a recording without gaps.
     fn all_rows(&self, channels: usize, mut fill: impl FnMut(usize, &mut [f64])) -> Series {
         if let Some(filter) = &self.filter {
             let record = Record { samples: self.samples, channels, extension: self.extension };
@@ -154,8 +154,7 @@ impl Decimator {
         series
     }
 
-    /// The rows of a record cut into pieces of at least `rows` rows, which can be decimated one by one. The record has no
-    /// samples that are left out.
+    /// Ranges of at least `rows` rows, which can be decimated one by one. The recording must have no samples that are left out.
     #[must_use]
     pub fn pieces(&self, rows: usize) -> Vec<Range<usize>> {
         let rows = rows.max(Padding::Matlab.samples(ORDER) + 1);
@@ -164,18 +163,18 @@ impl Decimator {
         (0..count).map(|piece| piece * rows..end(piece)).collect()
     }
 
-    /// The samples of a piece: from behind the last kept sample before it to its own last one.
+    /// The samples of a piece: from the sample after the last kept one of the piece before, to its own last kept one.
     #[must_use]
     pub fn samples_of(&self, piece: &Range<usize>) -> Range<usize> {
         let end = |row: usize| if row == 0 { 0 } else { self.kept.first + (row - 1) * self.kept.step + 1 };
         end(piece.start)..end(piece.end)
     }
 
-    /// One of [`Self::pieces`], decimated without its neighbours. `fill` writes samples of the record as in
+    /// One of [`Self::pieces`], decimated without its neighbours. `fill` writes samples of the recording as in
     /// [`Self::decimate_computed`], and is asked only for [`Self::samples_of`] the piece.
     ///
     /// # Errors
-    /// None for a decimator that could be made.
+    /// None for a decimator that was built successfully.
     pub fn decimate_piece(
         &self,
         piece: Range<usize>,
@@ -191,14 +190,14 @@ impl Decimator {
         Ok(DecimatedPiece::of_samples(rows))
     }
 
-    /// Joins pieces, given in their order, to the rows of [`Self::decimate`].
+    /// Joins pieces, given in order, into the rows of [`Self::decimate`].
     #[must_use]
     pub fn joiner(&self) -> Joiner<'_> {
         Joiner(self.filter.as_ref().map(|filter| Joined::new(&filter.sums, self.rows())))
     }
 
-    /// All samples of the series filtered with an odd extension, from which [`Self::decimate`] with that extension keeps some. The
-    /// length is free, so that the filter can be probed.
+    /// All samples of the series filtered with an odd extension, of which [`Self::decimate`] with that extension keeps some. The length is
+    /// free, so that the filter can be probed.
     ///
     /// # Errors
     /// If the series is not longer than the padding.
@@ -213,12 +212,12 @@ impl Decimator {
     }
 }
 
-/// What stands in the place of samples that are left out: the mean of the last ones before, channel by channel.
+/// Replaces samples that are left out by the mean of the last ones before, channel by channel.
 struct Bridge<'a> {
     gaps: &'a [Range<usize>],
     mean: Vec<f64>,
     seen: usize,
-    /// Samples in the mean.
+    /// Number of samples in the mean.
     length: usize,
 }
 
@@ -227,7 +226,7 @@ impl<'a> Bridge<'a> {
         Self { gaps, mean: vec![0.0; channels], seen: 0, length }
     }
 
-    /// Takes the samples one after the other.
+    /// Receives the samples in order.
     fn pass(&mut self, k: usize, sample: &mut [f64]) {
         while self.gaps.first().is_some_and(|gap| gap.end <= k) {
             self.gaps = &self.gaps[1..];
@@ -242,14 +241,14 @@ impl<'a> Bridge<'a> {
     }
 }
 
-/// The pieces of a record on their way to its rows: [`Decimator::joiner`].
+/// Joins the pieces of a recording into its rows: [`Decimator::joiner`].
 ///
-/// The rows of a piece are complete once the samples behind it are known as far as the filter looks ahead.
+/// The rows of a piece are complete once the samples after it are known up to the filter's look-ahead.
 #[derive(Debug)]
 pub struct Joiner<'a>(Option<Joined<'a>>);
 
 impl Joiner<'_> {
-    /// Takes the next piece, and returns the rows of the pieces that it completes. The last piece completes all.
+    /// Receives the next piece and returns the rows of the pieces that it completes. The last piece completes all.
     pub fn take(&mut self, piece: DecimatedPiece) -> Vec<Series> {
         match &mut self.0 {
             Some(joined) => joined.take(piece),
@@ -293,7 +292,7 @@ mod tests {
 
     #[test]
     fn decimating_is_filtering_and_keeping() -> Result<(), SignalError> {
-        let series = Series::from_values(3, (0..900).map(|k| (f64::from(k) * 0.7).sin() + f64::from(k % 3)).collect());
+        let series = Series::shaped(3, (0..900).map(|k| (f64::from(k) * 0.7).sin() + f64::from(k % 3)).collect());
         let decimator = Decimator::new(7, 300)?;
         let (decimated, filtered) = (decimator.decimate(&series)?, decimator.filter(&series)?);
         for (row, k) in decimator.kept().enumerate() {
@@ -304,13 +303,13 @@ mod tests {
         Ok(())
     }
 
-    /// The sums over poles are the two recursions, at every factor, also for records that barely hold the padding and for
-    /// values far from zero.
+    /// The sums over poles equal the two recursions at every factor, also for recordings barely longer than the padding and for values far
+    /// from zero.
     #[test]
     fn sums_over_poles_are_the_two_recursions() -> Result<(), SignalError> {
         for (factor, samples) in [(2, 25), (2, 400), (7, 31), (10, 1000), (100, 90), (100, 7001), (1000, 5000)] {
             let value = |k: usize| 50.0 + (k as f64 * 0.37).sin() + ((k * k) % 17) as f64 + k as f64 * 1e-3;
-            let series = Series::from_values(3, (0..3 * samples).map(value).collect());
+            let series = Series::shaped(3, (0..3 * samples).map(value).collect());
             let decimator = Decimator::new(factor, samples)?;
             let (decimated, filtered) = (decimator.decimate(&series)?, decimator.filter(&series)?);
             for (row, k) in decimator.kept().enumerate() {
@@ -322,13 +321,13 @@ mod tests {
         Ok(())
     }
 
-    /// Pieces are the whole record, however long they are: shorter and longer than the filter looks ahead.
+    /// Joined pieces equal the whole recording for any piece length, shorter or longer than the filter's look-ahead.
     #[test]
     fn pieces_put_together_are_the_whole() -> Result<(), SignalError> {
         for (factor, samples, rows) in [(1, 300, 60), (2, 3001, 25), (10, 9999, 30), (10, 9999, 333), (100, 60_003, 50)]
         {
             let value = |k: usize| 50.0 + (k as f64 * 0.37).sin() + ((k * k) % 17) as f64 + k as f64 * 1e-3;
-            let series = Series::from_values(3, (0..3 * samples).map(value).collect());
+            let series = Series::shaped(3, (0..3 * samples).map(value).collect());
             let decimator = Decimator::new(factor, samples)?;
             let (whole, mut joiner) = (decimator.decimate(&series)?, decimator.joiner());
             let mut joined: Vec<f64> = Vec::new();
@@ -348,7 +347,7 @@ mod tests {
         Ok(())
     }
 
-    /// Many zeros before and behind the record, where the extension of their ends no longer matters.
+    /// Many zeros before and after the recording, where the extension of their ends no longer matters.
     #[test]
     fn zeros_beyond_the_ends_are_zeros() -> Result<(), SignalError> {
         for (factor, samples, rows) in [(2, 25, 40), (10, 999, 30), (100, 3001, 50)] {
@@ -357,7 +356,7 @@ mod tests {
             let decimator = Decimator::new(factor, samples)?.with_zero_padding();
             let found = decimator.decimate_computed(1, |k, sample| sample[0] = value(k))?;
             let of_padded = |k: usize| k.checked_sub(margin).filter(|k| *k < samples).map_or(0.0, value);
-            let padded = Series::from_values(1, (0..samples + 2 * margin).map(of_padded).collect());
+            let padded = Series::shaped(1, (0..samples + 2 * margin).map(of_padded).collect());
             let padded = Decimator::new(factor, padded.len())?.filter(&padded)?;
             let (mut joiner, mut joined) = (decimator.joiner(), Vec::new());
             for piece in decimator.pieces(rows) {
@@ -375,7 +374,7 @@ mod tests {
 
     #[test]
     fn factor_1_keeps_the_series() -> Result<(), SignalError> {
-        let series = Series::from_values(2, (0..10).map(f64::from).collect());
+        let series = Series::shaped(2, (0..10).map(f64::from).collect());
         let decimator = Decimator::new(1, 5)?;
         assert_eq!(decimator.decimate(&series)?, series);
         assert_eq!(decimator.filter(&series)?, series);
@@ -386,7 +385,7 @@ mod tests {
     fn a_sine_below_the_cutoff_stays_a_sine() -> Result<(), SignalError> {
         let (factor, samples) = (5, 4000);
         let w = 2.0 * PI * 0.01;
-        let sine = Series::from_values(1, (0..samples).map(|k| (w * k as f64).sin()).collect());
+        let sine = Series::shaped(1, (0..samples).map(|k| (w * k as f64).sin()).collect());
         let decimator = Decimator::new(factor, samples)?;
         let decimated = decimator.decimate(&sine)?.channel(0);
         let gain = low_pass(factor)?.map_or(1.0, |filter| filter.sections.gain(2.0 * 0.01).powi(2));
@@ -399,7 +398,7 @@ mod tests {
 
     #[test]
     fn a_sine_above_the_cutoff_is_gone() -> Result<(), SignalError> {
-        let sine = Series::from_values(1, (0..4000).map(|k| (2.0 * PI * 0.4 * f64::from(k)).sin()).collect());
+        let sine = Series::shaped(1, (0..4000).map(|k| (2.0 * PI * 0.4 * f64::from(k)).sin()).collect());
         let decimated = Decimator::new(5, 4000)?.decimate(&sine)?.channel(0);
         assert!(decimated[300..500].iter().all(|y| y.abs() < 1e-11));
         Ok(())
@@ -411,21 +410,21 @@ mod tests {
     }
 
     #[test]
-    fn a_record_as_short_as_the_padding_is_refused() {
+    fn a_recording_as_short_as_the_padding_is_refused() {
         assert_eq!(Decimator::new(2, 24), Err(SignalError::RecordTooShort { needed: 25, found: 24 }));
         assert_eq!(Decimator::new(1, 0), Err(SignalError::RecordTooShort { needed: 1, found: 0 }));
     }
 
     #[test]
-    fn a_record_of_another_length_is_refused() -> Result<(), SignalError> {
+    fn a_recording_of_another_length_is_refused() -> Result<(), SignalError> {
         let result = Decimator::new(2, 100)?.decimate(&Series::zeros(99, 1));
         assert_eq!(result, Err(SignalError::LengthMismatch { expected: 100, found: 99 }));
         Ok(())
     }
 
-    /// What holds of samples holds of rows, also beside samples that are left out and hold anything.
+    /// Sums of channels stay sums, also next to samples that are left out and hold arbitrary values.
     #[test]
-    fn sums_of_channels_stay_sums_beside_gaps() -> Result<(), SignalError> {
+    fn sums_of_channels_stay_sums_next_to_gaps() -> Result<(), SignalError> {
         let gaps = [40..55, 130..131, 390..500];
         for factor in [1, 10] {
             let decimator = Decimator::new(factor, 500)?.leaving_out(&gaps);

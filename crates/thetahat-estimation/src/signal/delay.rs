@@ -1,13 +1,15 @@
 use thetahat_ground::series::Series;
 
-/// The series with each channel later by its delay in samples, which may be a fraction of one or negative: the cubic through
-/// the four nearest samples. Before its first sample and behind its last a channel stays as it is there.
+/// The series with each channel delayed by its number of samples, which may be a fraction or negative: the cubic through the four nearest
+/// samples. Before its first and after its last sample a channel keeps that sample's value.
 ///
 /// ```
-/// use thetahat::{series::Series, signal::delayed};
+/// use thetahat_estimation::signal::delayed;
+/// use thetahat_ground::series::Series;
 /// let squares = Series::from_values(1, (0..10).map(|k| f64::from(k * k)).collect());
 /// let late = delayed(&squares, &[0.5]);
 /// assert!((late.sample(6)[0] - 5.5 * 5.5).abs() < 1e-12);
+/// # Ok::<(), thetahat::series::SeriesError>(())
 /// ```
 ///
 /// # Panics
@@ -45,7 +47,7 @@ mod tests {
     #[test]
     fn cubics_are_exact_and_whole_samples_are_kept() {
         let cubic = |t: f64| 0.3 * t * t * t - t * t + 2.0;
-        let series = Series::from_values(1, (0..20).map(|k| cubic(f64::from(k))).collect());
+        let series = Series::shaped(1, (0..20).map(|k| cubic(f64::from(k))).collect());
         for delay in [-2.0, -0.3, 0.0, 1.7, 2.9] {
             let late = delayed(&series, &[delay]);
             for k in 4..17 {

@@ -20,11 +20,11 @@ const ONE_ZERO: [f64; 3] = [1.0, 1.0, 0.0];
 /// section of the last poles that are nearer to 0 than to -1.
 ///
 /// ```
-/// use thetahat::signal::SecondOrderSections;
+/// use thetahat_estimation::signal::SecondOrderSections;
 /// let filter = SecondOrderSections::butterworth_lowpass(4, 50.0, 5000.0)?;
 /// assert!((filter.gain(0.0) - 1.0).abs() < 1e-12);
 /// assert!((filter.gain(50.0) - 0.5_f64.sqrt()).abs() < 1e-9);
-/// # Ok::<(), thetahat::signal::SignalError>(())
+/// # Ok::<(), thetahat_estimation::signal::SignalError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct SecondOrderSections {

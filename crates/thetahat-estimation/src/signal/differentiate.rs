@@ -16,9 +16,11 @@ use thetahat_ground::series::Series;
 /// If the series has fewer than two samples.
 ///
 /// ```
-/// use thetahat::{series::Series, signal::central_difference};
+/// use thetahat_estimation::signal::central_difference;
+/// use thetahat_ground::series::Series;
 /// let ramp = Series::from_values(1, vec![0.0, 0.5, 1.0, 1.5]);
 /// assert_eq!(central_difference(&ramp, 10.0).values(), [5.0; 4]);
+/// # Ok::<(), thetahat::series::SeriesError>(())
 /// ```
 #[must_use]
 pub fn central_difference(series: &Series, sample_rate_hz: f64) -> Series {
@@ -64,10 +66,12 @@ impl Derivative {
     /// If the series has fewer than two samples.
     ///
     /// ```
-    /// use thetahat::{series::Series, signal::Derivative};
+    /// use thetahat_estimation::signal::Derivative;
+    /// use thetahat_ground::series::Series;
     /// let cubes = Series::from_values(1, (0..20).map(|k| f64::from(k).powi(3)).collect());
     /// assert!((Derivative::NinePoint.of(&cubes, 1.0).sample(10)[0] - 300.0).abs() < 1e-9);
     /// assert!((Derivative::Central.of(&cubes, 1.0).sample(10)[0] - 301.0).abs() < 1e-9);
+    /// # Ok::<(), thetahat::series::SeriesError>(())
     /// ```
     #[must_use]
     pub fn of(self, series: &Series, sample_rate_hz: f64) -> Series {
@@ -78,7 +82,7 @@ impl Derivative {
         }
     }
 
-    /// Samples on either side that it takes.
+    /// Number of samples that it uses on either side.
     #[must_use]
     pub fn reach(self) -> usize {
         match self {
@@ -123,7 +127,7 @@ mod tests {
         let (rate, hz) = (125.0, 10.0);
         let w = std::f64::consts::TAU * hz;
         let sine = |phase: f64| -> Vec<f64> { (0..60).map(|k| (w * f64::from(k) / rate + phase).sin()).collect() };
-        let series = Series::from_channels(&[sine(0.0)]);
+        let series = Series::side_by_side(&[sine(0.0)]);
         let cosine = sine(0.5 * std::f64::consts::PI);
         for (derivative, lost) in
             [(Derivative::Central, (w / rate).powi(2) / 6.0), (Derivative::NinePoint, (w / rate).powi(8) / 630.0)]
@@ -141,7 +145,7 @@ mod tests {
         let h = 0.1;
         let parabola: Vec<f64> = (0..20).map(|k| (f64::from(k) * h).powi(2)).collect();
         let line: Vec<f64> = (0..20).map(|k| f64::from(k) * h).collect();
-        let derivative = central_difference(&Series::from_channels(&[parabola, line]), 1.0 / h);
+        let derivative = central_difference(&Series::side_by_side(&[parabola, line]), 1.0 / h);
         for k in 1..19 {
             assert!((derivative.sample(k)[0] - 2.0 * k as f64 * h).abs() < 1e-12);
             assert!((derivative.sample(k)[1] - 1.0).abs() < 1e-12);

@@ -1,4 +1,4 @@
-//! What can be wrong with a filter's specification or with the record it is given.
+//! What can be wrong with a filter's specification or its input.
 
 use thiserror::Error;
 
@@ -44,18 +44,20 @@ pub enum SignalError {
         /// The factor found.
         factor: usize,
     },
-    /// The record has fewer samples than the operation needs.
-    #[error("the record has {found} samples and {needed} are needed; use a longer record or a filter of lower order")]
+    /// The recording has fewer samples than the operation needs.
+    #[error(
+        "the recording has {found} samples and {needed} are needed; use a longer recording or a filter of lower order"
+    )]
     RecordTooShort {
         /// The least number of samples.
         needed: usize,
-        /// The number of samples of the record.
+        /// The number of samples of the recording.
         found: usize,
     },
-    /// A series has another number of samples than it was announced to have.
+    /// The length of a series differs from the announced one.
     #[error(
         "a series of {expected} samples was expected and {found} were found; build the decimator for the length \
-         of the record, and probe a filter before it drops samples"
+         of the recording, and probe a filter before it drops samples"
     )]
     LengthMismatch {
         /// The number of samples expected.
@@ -63,9 +65,9 @@ pub enum SignalError {
         /// The number of samples found.
         found: usize,
     },
-    /// The response to the probing impulse has not died out at the ends of the record.
+    /// The response to the probing impulse has not died out at the ends of the recording.
     #[error(
-        "at the ends of the record the impulse response is still {end_fraction:e} of its peak; \
+        "at the ends of the recording the impulse response is still {end_fraction:e} of its peak; \
          probe with more than {samples} samples"
     )]
     ResponseTruncated {

@@ -1,9 +1,9 @@
-//! The one kernel of this room: a cascade of sections over many channels, forward and then backward in time.
+//! The kernel of this module: a cascade of sections over many channels, forward and then backward in time.
 //!
 //! Eight channels at a time, a set, are filtered in place. The innermost loop runs over the eight, which the compiler
 //! turns into vector instructions; a section passes over a block of samples with its state in registers, and the block
-//! stays in the first-level cache while all sections pass over it. The samples come one by one, as they are computed,
-//! and go to their sets at once: no series of all channels is stored beside them.
+//! stays in the first-level cache while all sections pass over it. The samples come one by one, as they are computed, and go to their sets
+//! at once: no series of all channels is stored in addition.
 //!
 //! Legend: `x` input, `w` after the poles, `y` output of a section. All zeros that matter are at `z = -1` (SciPy's
 //! others, at 0, do nothing), so a numerator is a sum of neighbours: the forward pass adds them section by section;
@@ -23,7 +23,7 @@ const BLOCK: usize = 128;
 /// One sample of the channels filtered together.
 type Lanes = [f64; LANES];
 
-/// The samples to keep of a record: `first`, `first + step`, ...
+/// The samples to keep of a recording: `first`, `first + step`, ...
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Kept {
     pub first: usize,
@@ -38,7 +38,7 @@ impl Kept {
     }
 }
 
-/// Size of a record: samples and channels, and by how many samples it is extended at both ends.
+/// Size of a recording: samples, channels and the number of samples by which it is extended at both ends.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shape {
     pub samples: usize,
@@ -46,21 +46,21 @@ pub(super) struct Shape {
     pub padding: usize,
 }
 
-/// The kept samples of a record, filtered forward and backward, with an odd extension at both ends, `2 x[0] - x[k]`, and
+/// The kept samples of a recording, filtered forward and backward, with an odd extension at both ends, `2 x[0] - x[k]`, and
 /// each pass started in the steady state of its first value. `fill` writes the channels of one sample after the other.
 ///
-/// The record must be longer than the padding, and the padding at least as long as the order.
+/// The recording must be longer than the padding, and the padding at least as long as the order.
 pub(super) fn forward_backward(
     filter: &SecondOrderSections,
     shape: Shape,
     kept: Kept,
     mut fill: impl FnMut(usize, &mut [f64]),
 ) -> Series {
-    // Each made anew and not cloned: zeros that nobody has written yet take no time to copy.
+    // Each set is made anew rather than cloned: untouched zeroed memory is free.
     let samples = shape.samples + 2 * shape.padding;
     let mut sets: Vec<ChannelSet> =
         (0..shape.channels.div_ceil(LANES)).map(|_| ChannelSet::new(filter, samples)).collect();
-    // Channels that fill up the last set stay zero. A block of samples is computed, then dealt out to the sets.
+    // Channels that fill up the last set stay zero. A block of samples is computed, then distributed to the sets.
     let width = sets.len() * LANES;
     let mut block = vec![0.0; BLOCK * width];
     for first in (0..shape.samples).step_by(BLOCK) {
@@ -85,10 +85,10 @@ pub(super) fn forward_backward(
     output
 }
 
-/// Eight channels: their record, extended, and the filter with their state.
+/// Eight channels: their extended recording, and the filter with their state.
 struct ChannelSet {
     record: Vec<Lanes>,
-    /// The gain of the whole cascade, in neither the sections nor the numerator.
+    /// The gain of the whole cascade, which is in neither the sections nor the numerator.
     gain: f64,
     sections: Vec<Section>,
     /// `binomial(order, j)`: the coefficients of `(1 + z^-1)^order`.
@@ -105,14 +105,14 @@ impl ChannelSet {
         }
     }
 
-    /// Takes samples from `k` of the extended record on.
+    /// Loads samples of the extended recording from `k` on.
     fn load<'a>(&mut self, k: usize, samples: impl Iterator<Item = &'a Lanes>) {
         for (into, lanes) in zip(&mut self.record[k..], samples) {
             *into = lanes.map(|x| self.gain * x);
         }
     }
 
-    /// Extends the record at both ends by its odd reflection about the first and the last sample.
+    /// Extends the recording at both ends by its odd reflection about the first and the last sample.
     fn extend(&mut self, padding: usize) {
         let last = self.record.len() - 1 - padding;
         for k in 1..=padding {
@@ -134,7 +134,7 @@ impl ChannelSet {
         }
     }
 
-    /// Leaves `w` in the record, without the numerator and the gain.
+    /// Leaves `w` in the recording, without the numerator and the gain.
     #[inline(always)]
     fn backward(&mut self) {
         let mut x = self.record[self.record.len() - 1];
@@ -148,7 +148,7 @@ impl ChannelSet {
         }
     }
 
-    /// Writes the channels at sample `k` of the extended record, after the backward pass.
+    /// Writes the channels at sample `k` of the extended recording, after the backward pass.
     fn store(&self, k: usize, channels: &mut [f64]) {
         let mut sum = [0.0; LANES];
         for (c, w) in zip(&self.numerator, &self.record[k..]) {
@@ -158,9 +158,8 @@ impl ChannelSet {
     }
 }
 
-/// Both passes over a set, compiled once for each kind of vector instructions; the machine's widest are used. They round as
-/// the others do. All that is called from here is `inline(always)` and loops, not closures: what is not inlined is
-/// compiled for the narrowest.
+/// Both passes over a set, compiled once for each instruction set; the machine's widest is used. All give the same rounding. All callees
+/// are `inline(always)` and loops, not closures: anything that is not inlined is compiled for the narrowest instruction set.
 struct BothPasses<'a>(&'a mut ChannelSet);
 
 impl pulp::WithSimd for BothPasses<'_> {
@@ -205,7 +204,7 @@ impl Section {
         Self { a1, a2, zeros: if b2 == 0.0 { 1 } else { 2 }, w1: [0.0; LANES], w2: [0.0; LANES] }
     }
 
-    /// Sets the state to that after an endless constant input, and returns the output then.
+    /// Sets the state to that after an endless constant input, and returns the output of that state.
     #[inline(always)]
     fn settle(&mut self, zeros: usize, x: Lanes) -> Lanes {
         self.w1 = x.map(|x| x / (1.0 + self.a1 + self.a2));
@@ -223,7 +222,7 @@ impl Section {
         }
     }
 
-    /// `output` chooses from `w[k]`, `s[k] = w[k] + w[k-1]` and `s[k-1]`.
+    /// `output` selects from `w[k]`, `s[k] = w[k] + w[k-1]` and `s[k-1]`.
     #[inline(always)]
     fn pass_with<'a>(&mut self, samples: impl Iterator<Item = &'a mut Lanes>, output: impl Fn(f64, f64, f64) -> f64) {
         let (a1, a2, mut w1, mut w2) = (self.a1, self.a2, self.w1, self.w2);

@@ -1,7 +1,7 @@
-//! Pieces joined in their order to the rows of the whole record.
+//! Joins pieces, in order, into the rows of the whole recording.
 //!
-//! The samples before and behind a piece add `c_j p_j^m` times the sums at its ends, m samples away, to its kept samples.
-//! All samples before it count; samples behind it count as far as `p_j^m` is not negligible.
+//! The samples before and after a piece add `c_j p_j^m` times the sums at its ends, m samples away, to its kept samples. All samples before
+//! it count; samples after it count while `p_j^m` is not negligible.
 
 use std::collections::VecDeque;
 
@@ -13,8 +13,8 @@ use thetahat_ground::series::Series;
 /// Powers of a pole below this count as zero: their contribution is below the rounding of a sum.
 const NEGLIGIBLE: f64 = 1e-20;
 
-/// The kept samples of a record, filtered as [`forward_backward`](super::forward_backward::forward_backward) does
-/// it: the record as one piece. `fill` writes the channels of one sample after the other.
+/// The kept samples of a recording, filtered as by [`forward_backward`](super::forward_backward::forward_backward), with the recording as
+/// one piece. `fill` writes the channels of each sample in order.
 pub(super) fn filter_and_keep(
     sums: &PoleSums,
     record: Record,
@@ -27,15 +27,15 @@ pub(super) fn filter_and_keep(
     finished.into_iter().next().unwrap_or_else(|| Series::zeros(0, record.channels))
 }
 
-/// The pieces of a record on their way to rows.
+/// Joins the pieces of a recording into rows.
 #[derive(Debug)]
 pub(super) struct Joined<'a> {
     sums: &'a PoleSums,
-    /// Rows of the whole record that have not come yet.
+    /// Rows of the whole recording that are still missing.
     missing: usize,
-    /// Samples that a piece's rows look ahead.
+    /// Number of samples that a piece's rows look ahead.
     ahead: usize,
-    /// Causal sums at the end of the last piece that is finished.
+    /// Causal sums at the end of the last finished piece.
     before: Option<Vec<Sums>>,
     waiting: VecDeque<DecimatedPiece>,
 }
@@ -45,7 +45,7 @@ impl<'a> Joined<'a> {
         Self { sums, missing: rows, ahead: sums.reach(NEGLIGIBLE), before: None, waiting: VecDeque::new() }
     }
 
-    /// Takes the next piece, and returns the rows of the pieces that it completes.
+    /// Receives the next piece and returns the rows of the pieces that it completes.
     pub(super) fn take(&mut self, piece: DecimatedPiece) -> Vec<Series> {
         self.missing -= piece.rows.len().min(self.missing);
         self.waiting.push_back(piece);
@@ -58,8 +58,8 @@ impl<'a> Joined<'a> {
     }
 
     fn is_first_finished(&self) -> bool {
-        let behind: usize = self.waiting.iter().skip(1).map(DecimatedPiece::samples).sum();
-        self.missing == 0 || behind >= self.ahead
+        let after: usize = self.waiting.iter().skip(1).map(DecimatedPiece::samples).sum();
+        self.missing == 0 || after >= self.ahead
     }
 
     fn finish(&mut self, piece: DecimatedPiece) -> Series {
@@ -69,8 +69,8 @@ impl<'a> Joined<'a> {
             let decay = self.sums.decay(lengths.iter().sum());
             causal = before.iter().zip(&causal).map(|(b, own)| b.decayed(&decay, own)).collect();
         }
-        let behind = tail.map_or_else(|| self.behind(&causal), |tail| self.behind_record(&tail, &causal));
-        self.add_behind(behind, &lengths, &mut rows);
+        let after = tail.map_or_else(|| self.sums_after(&causal), |tail| self.after_recording(&tail, &causal));
+        self.add_after(after, &lengths, &mut rows);
         self.before = Some(causal);
         rows
     }
@@ -91,40 +91,40 @@ impl<'a> Joined<'a> {
         }
     }
 
-    /// Adds the contribution of the samples behind a piece to its rows.
-    fn add_behind(&self, mut behind: Vec<Sums>, lengths: &[usize], rows: &mut Series) {
+    /// Adds the contribution of the samples after a piece to its rows.
+    fn add_after(&self, mut after: Vec<Sums>, lengths: &[usize], rows: &mut Series) {
         let mut samples = 0;
         for (row, length) in lengths.iter().enumerate().rev() {
             if samples > self.ahead {
                 break;
             }
             let decay = self.sums.decay(*length);
-            for (y, behind) in rows.sample_mut(row).iter_mut().zip(&mut behind) {
-                *y += self.sums.output(behind);
-                *behind = behind.decayed(&decay, &Sums::default());
+            for (y, after) in rows.sample_mut(row).iter_mut().zip(&mut after) {
+                *y += self.sums.output(after);
+                *after = after.decayed(&decay, &Sums::default());
             }
             samples += length;
         }
     }
 
-    /// Anticausal sums of the waiting pieces, behind a piece that ends with these causal sums.
-    fn behind(&self, causal: &[Sums]) -> Vec<Sums> {
+    /// Anticausal sums of the waiting pieces, after a piece that ends with these causal sums.
+    fn sums_after(&self, causal: &[Sums]) -> Vec<Sums> {
         let through = |sums: &[Sums], piece: &DecimatedPiece, own: &[Sums]| -> Vec<Sums> {
             let decay = self.sums.decay(piece.samples());
             sums.iter().zip(own).map(|(s, own)| s.decayed(&decay, own)).collect()
         };
         let end = self.waiting.iter().fold(causal.to_vec(), |causal, piece| through(&causal, piece, &piece.causal));
         let tail = self.waiting.back().and_then(|piece| piece.tail.as_ref());
-        let behind = tail.map_or_else(|| vec![Sums::default(); causal.len()], |tail| self.behind_record(tail, &end));
-        self.waiting.iter().rev().fold(behind, |behind, piece| through(&behind, piece, &piece.anticausal))
+        let after = tail.map_or_else(|| vec![Sums::default(); causal.len()], |tail| self.after_recording(tail, &end));
+        self.waiting.iter().rev().fold(after, |after, piece| through(&after, piece, &piece.anticausal))
     }
 
-    /// Anticausal sums of the extension behind the record and of the steady state in which the backward pass starts.
-    fn behind_record(&self, tail: &Tail, causal: &[Sums]) -> Vec<Sums> {
+    /// Anticausal sums of the extension after the recording and of the steady state in which the backward pass starts.
+    fn after_recording(&self, tail: &Tail, causal: &[Sums]) -> Vec<Sums> {
         let decay = self.sums.decay(tail.samples);
-        let of_channel = |((causal, [added, behind]), x): ((&Sums, &[Sums; 2]), &f64)| {
+        let of_channel = |((causal, [added, after]), x): ((&Sums, &[Sums; 2]), &f64)| {
             let end = self.sums.end(&causal.decayed(&decay, added), *x);
-            end.decayed(&decay, behind)
+            end.decayed(&decay, after)
         };
         causal.iter().zip(&tail.sums).zip(&tail.last).map(of_channel).collect()
     }

@@ -1,24 +1,24 @@
 //! Filtering, differentiation and decimation of recorded signals, all without delay.
 //!
-//! The way of a recording (Brunot and others, section III, see [`Decimator`]): the positions are band-passed
+//! The processing of a recording (Brunot and others, section III, see [`Decimator`]): the positions are band-passed
 //! ([`band_pass`]), that is filtered by a zero-phase Butterworth low-pass ([`zero_phase`]) and differentiated by central
-//! differences ([`central_difference`]); the still periods at both ends are found ([`moving_samples`]) and cut; the torques and
-//! every column of the observation matrix are passed through one and the same parallel filter and down-sampled
-//! ([`Decimator`]). What bandwidth remains is measured on the result ([`minus_3_db_bandwidth_hz`]).
+//! differences ([`central_difference`]); the still periods at both ends are detected ([`moving_samples`]) and cut; the torques and
+//! every column of the observation matrix pass the same parallel filter and are down-sampled ([`Decimator`]). The remaining bandwidth is
+//! measured on the result ([`minus_3_db_bandwidth_hz`]).
 //!
-//! Frequencies are in hertz, gains of one pass unless stated; a [`Series`](thetahat_ground::series::Series) holds many channels
-//! and each is processed by itself. Values that are not numbers spread over the whole channel; check a recording
-//! before.
+//! Frequencies are in hertz, gains are of one pass unless stated; a [`Series`](thetahat_ground::series::Series) holds many channels and
+//! each is processed independently. NaN spreads over the whole channel; check a recording before filtering it.
 //!
 //! ```
 //! use std::f64::consts::TAU;
-//! use thetahat::{series::Series, signal::{Padding, SecondOrderSections, central_difference, zero_phase}};
+//! use thetahat_estimation::signal::{central_difference, zero_phase, Padding, SecondOrderSections};
+//! use thetahat_ground::series::Series;
 //! // A sine of 1 Hz, sampled at 1 kHz: its velocity in the middle, to a part in ten thousand.
-//! let q = Series::from_values(1, (0..1000).map(|k| (TAU * k as f64 / 1000.0).sin()).collect());
+//! let q = Series::from_values(1, (0..1000).map(|k| (TAU * k as f64 / 1000.0).sin()).collect())?;
 //! let filter = SecondOrderSections::butterworth_lowpass(4, 50.0, 1000.0)?;
 //! let dq = central_difference(&zero_phase(&filter, &q, Padding::Matlab)?, 1000.0);
 //! assert!((dq.sample(500)[0] + TAU).abs() < 1e-4 * TAU);
-//! # Ok::<(), thetahat::signal::SignalError>(())
+//! # Ok::<(), thetahat_estimation::signal::SignalError>(())
 //! ```
 
 mod band_pass;

@@ -1,4 +1,4 @@
-//! The moving part of a record.
+//! The moving part of a recording.
 
 use std::ops::Range;
 
@@ -6,22 +6,22 @@ use thetahat_ground::series::Series;
 
 use super::error::SignalError;
 
-/// The samples from the first to the last at which something moves: what remains when the still periods at both ends
-/// are cut.
+/// The samples from the first to the last at which any channel moves, without the still periods at both ends.
 ///
 /// A channel moves where its absolute velocity is at least `threshold_fraction` (above 0, below 1) of its own peak. A
-/// channel whose peak is not above `still_velocity`, in the unit of the velocity, never moves: so the noise of a joint
-/// at rest does not count as motion. Pauses between motions are kept. The velocity should be filtered, as a single
+/// channel whose peak is not above `still_velocity`, in the unit of the velocity, never moves, so that the noise of a joint
+/// at rest does not count as motion. Pauses between motions are kept. The velocity should be filtered, because a single
 /// spike counts as motion too.
 ///
 /// # Errors
 /// If the fraction is out of range, or no channel moves.
 ///
 /// ```
-/// use thetahat::{series::Series, signal::moving_samples};
+/// use thetahat_estimation::signal::moving_samples;
+/// use thetahat_ground::series::Series;
 /// let velocity = Series::from_values(1, vec![0.0, 0.001, 0.5, 1.0, 0.0, 0.5, 0.0]);
 /// assert_eq!(moving_samples(&velocity, 0.01, 0.1)?, 2..6);
-/// # Ok::<(), thetahat::signal::SignalError>(())
+/// # Ok::<(), thetahat_estimation::signal::SignalError>(())
 /// ```
 pub fn moving_samples(
     velocity: &Series,
@@ -37,7 +37,7 @@ pub fn moving_samples(
     }
 }
 
-/// The absolute velocity from which on each channel counts as moving, from its peak over the whole record; infinite for one
+/// The absolute velocity from which each channel counts as moving, from its peak over the whole recording; infinite for one
 /// that never moves.
 ///
 /// # Errors
@@ -70,7 +70,7 @@ mod tests {
     fn any_channel_counts_and_pauses_are_kept() -> Result<(), SignalError> {
         let first = vec![0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0];
         let second = vec![0.0, 0.0, 0.0, 0.0, 0.02, 0.0005, 0.0];
-        let velocity = Series::from_channels(&[first, second]);
+        let velocity = Series::side_by_side(&[first, second]);
         assert_eq!(moving_samples(&velocity, 0.01, 0.001)?, 2..6);
         assert_eq!(moving_samples(&velocity, 0.1, 0.001)?, 2..5);
         Ok(())
@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn the_noise_of_a_still_channel_does_not_count() -> Result<(), SignalError> {
         let noise = vec![1e-5, -1e-5, 1e-5, -1e-5];
-        let velocity = Series::from_channels(&[noise, vec![0.0, 1.0, 0.5, 0.0]]);
+        let velocity = Series::side_by_side(&[noise, vec![0.0, 1.0, 0.5, 0.0]]);
         assert_eq!(moving_samples(&velocity, 0.01, 1e-3)?, 1..3);
         assert_eq!(moving_samples(&velocity, 0.01, 0.0)?, 0..4);
         Ok(())
@@ -87,7 +87,7 @@ mod tests {
 
     #[test]
     fn a_record_at_rest_is_refused() {
-        let result = moving_samples(&Series::from_values(2, vec![1e-4, 0.0, -2e-4, 0.0]), 0.01, 1e-3);
+        let result = moving_samples(&Series::shaped(2, vec![1e-4, 0.0, -2e-4, 0.0]), 0.01, 1e-3);
         assert_eq!(result, Err(SignalError::NoMotion { peak_velocity: 2e-4, still_velocity: 1e-3 }));
         let result = moving_samples(&Series::zeros(5, 1), 0.01, 0.0);
         assert_eq!(result, Err(SignalError::NoMotion { peak_velocity: 0.0, still_velocity: 0.0 }));

@@ -1,6 +1,6 @@
-//! The sums over poles of one piece of a record, by itself.
+//! The sums over poles of one piece of a recording, independent of its neighbours.
 //!
-//! A piece lies between two kept samples. Its causal sums start from zero (the first piece's from the steady state), and so
+//! A piece lies between two kept samples. Its causal sums start from zero (those of the first piece from the steady state), and so
 //! do its anticausal sums; `join` adds what its neighbours contribute.
 
 use std::ops::Range;
@@ -9,16 +9,16 @@ use super::forward_backward::Kept;
 use super::pole_sums::{Interval, LANES, PoleSums, Sums, WEIGHTS, interval_sums};
 use thetahat_ground::series::Series;
 
-/// What stands before and behind a record.
+/// How a recording is extended at both ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Extension {
-    /// So many samples of its odd reflection, `2 x[0] - x[k]`, and beyond them the last of those.
+    /// This number of samples of its odd reflection, `2 x[0] - x[k]`, then the last of those repeated.
     Odd(usize),
     /// Zeros.
     Zero,
 }
 
-/// Size of a record: samples and channels, and how it goes on at both ends.
+/// Size of a recording: samples and channels, and its extension at both ends.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Record {
     pub samples: usize,
@@ -27,7 +27,7 @@ pub(super) struct Record {
 }
 
 impl Extension {
-    /// Samples of the record that it reflects, less the one about which it does.
+    /// Number of reflected samples, without the one at the centre of reflection.
     fn reflected(self) -> usize {
         match self {
             Self::Odd(samples) => samples,
@@ -36,7 +36,7 @@ impl Extension {
     }
 }
 
-/// Consecutive kept samples of a record, as far as the samples between them determine them.
+/// Consecutive kept samples of a recording, to the extent that the samples between them determine them.
 #[derive(Debug, Clone)]
 pub struct DecimatedPiece {
     pub(super) rows: Series,
@@ -45,11 +45,11 @@ pub struct DecimatedPiece {
     /// Causal sums of each channel at the last row, anticausal ones before the first interval.
     pub(super) causal: Vec<Sums>,
     pub(super) anticausal: Vec<Sums>,
-    /// The odd extension behind the record, where this is its last piece and has one.
+    /// The odd extension after the recording, if this is its last piece and is extended.
     pub(super) tail: Option<Tail>,
 }
 
-/// The extension of a record behind its last sample.
+/// The extension after the last sample of a recording.
 #[derive(Debug, Clone)]
 pub(super) struct Tail {
     pub(super) samples: usize,
@@ -59,7 +59,7 @@ pub(super) struct Tail {
 }
 
 impl DecimatedPiece {
-    /// A piece of a record that is not filtered: its samples.
+    /// A piece of an unfiltered recording: its samples.
     pub(super) fn of_samples(rows: Series) -> Self {
         Self { rows, lengths: Vec::new(), causal: Vec::new(), anticausal: Vec::new(), tail: None }
     }
@@ -69,19 +69,19 @@ impl DecimatedPiece {
     }
 }
 
-/// One piece on its way through the sums.
+/// Accumulates the sums of one piece.
 pub(super) struct PiecePass<'a, F> {
     sums: &'a PoleSums,
     record: Record,
     kept: Kept,
     fill: F,
-    /// Channels, filled up with zeros to whole tiles.
+    /// Number of channels, padded with zeros to whole tiles.
     width: usize,
-    /// The first samples of the record, which the extension needs before their turn, and the last ones.
+    /// The first samples of the recording, which the extension needs early, and the last ones.
     head: Vec<f64>,
     tail: Vec<f64>,
     weights: Vec<[f64; WEIGHTS]>,
-    /// The values of the last interval, whose place the next one takes: what fills up the width stays zero.
+    /// The buffer of the last interval, reused by the next one: the padding stays zero.
     spare: Vec<f64>,
 }
 
@@ -92,12 +92,12 @@ impl<'a, F: FnMut(usize, &mut [f64])> PiecePass<'a, F> {
         Self { sums, record, kept, fill, width, head: Vec::new(), tail, weights: Vec::new(), spare: Vec::new() }
     }
 
-    /// The piece with these kept samples.
+    /// Computes the piece with these kept samples.
     pub(super) fn run(mut self, rows: Range<usize>) -> DecimatedPiece {
         let mut output = Series::zeros(rows.len(), self.record.channels);
         let mut lengths = Vec::with_capacity(rows.len());
         let mut causal = vec![Sums::default(); self.width];
-        let mut behind = Vec::with_capacity(rows.len());
+        let mut interval_ends = Vec::with_capacity(rows.len());
         for (place, row) in rows.clone().enumerate() {
             let interval =
                 if row == 0 { self.first_interval(&mut causal) } else { self.interval(self.samples_of(row)) };
@@ -106,16 +106,16 @@ impl<'a, F: FnMut(usize, &mut [f64])> PiecePass<'a, F> {
             causal.iter_mut().zip(&sums).for_each(|(s, [added, _])| *s = s.decayed(&decay, added));
             self.write_causal(&interval, &causal, output.sample_mut(place));
             lengths.push(interval.samples);
-            behind.push(sums);
+            interval_ends.push(sums);
             self.spare = interval.values;
         }
-        let anticausal = self.add_anticausal(&lengths, &behind, &mut output);
+        let anticausal = self.add_anticausal(&lengths, &interval_ends, &mut output);
         let is_last = self.kept.first + self.kept.step * (rows.end - 1) + 1 == self.record.samples;
         let tail = (is_last && self.record.extension != Extension::Zero).then(|| self.tail());
         DecimatedPiece { rows: output, lengths, causal, anticausal, tail }
     }
 
-    /// The samples behind the kept one before this, up to this.
+    /// The samples after the previous kept one, up to this row's.
     fn samples_of(&self, row: usize) -> Range<usize> {
         let end = self.kept.first + row * self.kept.step + 1;
         end.saturating_sub(self.kept.step)..end
@@ -128,7 +128,7 @@ impl<'a, F: FnMut(usize, &mut [f64])> PiecePass<'a, F> {
         interval_sums(interval, self.width, &self.weights)
     }
 
-    /// The samples in `range` of the record.
+    /// The samples in `range` of the recording.
     fn interval(&mut self, range: Range<usize>) -> Interval {
         let mut values = std::mem::take(&mut self.spare);
         values.resize(range.len() * self.width, 0.0);
@@ -145,8 +145,8 @@ impl<'a, F: FnMut(usize, &mut [f64])> PiecePass<'a, F> {
         Interval { samples: range.len(), values }
     }
 
-    /// The extension before the record and its samples up to the first one kept. The sums before an odd extension assume that
-    /// the record has always had its first value.
+    /// The extension before the recording and its samples up to the first kept one. The sums before an odd extension assume that
+    /// the recording has always had its first value.
     fn first_interval(&mut self, causal: &mut [Sums]) -> Interval {
         let (padding, width) = (self.record.extension.reflected(), self.width);
         let mut head = vec![0.0; (padding + 1) * width];
@@ -163,7 +163,7 @@ impl<'a, F: FnMut(usize, &mut [f64])> PiecePass<'a, F> {
         Interval { samples: padding + record.samples, values }
     }
 
-    /// The odd extension behind the record.
+    /// The odd extension after the recording.
     fn tail(&mut self) -> Tail {
         let (padding, width) = (self.record.extension.reflected(), self.width);
         let last = &self.tail[padding * width..];
@@ -185,9 +185,9 @@ impl<'a, F: FnMut(usize, &mut [f64])> PiecePass<'a, F> {
     }
 
     /// Adds the anticausal sums from the last row to the first, and returns those before the piece.
-    fn add_anticausal(&self, lengths: &[usize], behind: &[Vec<[Sums; 2]>], output: &mut Series) -> Vec<Sums> {
+    fn add_anticausal(&self, lengths: &[usize], after: &[Vec<[Sums; 2]>], output: &mut Series) -> Vec<Sums> {
         let mut anticausal = vec![Sums::default(); self.width];
-        for (row, (length, sums)) in lengths.iter().zip(behind).enumerate().rev() {
+        for (row, (length, sums)) in lengths.iter().zip(after).enumerate().rev() {
             let decay = self.sums.decay(*length);
             output.sample_mut(row).iter_mut().zip(&anticausal).for_each(|(y, t)| *y += self.sums.output(t));
             anticausal.iter_mut().zip(sums).for_each(|(t, [_, added])| *t = t.decayed(&decay, added));

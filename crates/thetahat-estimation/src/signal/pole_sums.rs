@@ -1,4 +1,4 @@
-//! Forward-backward filtering where few samples are kept: sums over intervals instead of two recursions over all samples.
+//! Forward-backward filtering that keeps few samples: sums over intervals instead of two recursions over all samples.
 //!
 //! The poles of the low-pass are simple, so that one pass is `H(z) = d + sum_j r_j / (1 - p_j z^-1)`. With the causal sums
 //! `s_j[k] = sum_(l <= k) p_j^(k-l) x[l]` and the anticausal ones `t_j[k] = sum_(l > k) p_j^(l-k) x[l]` the output of both
@@ -13,8 +13,8 @@
 //!
 //! where `y1 = d x[n-1] + sum_j r_j s_j[n-1]` is the last output of the forward pass, from which the backward pass starts in
 //! its steady state, as the forward pass does from `x[0]`: `s_j[-1] = x[0] / (1 - p_j)`. From one kept sample to the next,
-//! q later, `s_j` and `t_j` take a factor `p_j^q` and a weighted sum of the q samples between. Those sums are all
-//! that is done for every sample; nothing is recursive in them, and the samples need not be stored.
+//! q later, `s_j` and `t_j` take a factor `p_j^q` and a weighted sum of the q samples between. Those sums are the only work done for every
+//! sample; they are not recursive, and the samples need not be stored.
 //!
 //! Poles come in conjugate pairs, of which one is kept and the real part of its terms doubled.
 
@@ -28,7 +28,7 @@ pub(super) const LANES: usize = 8;
 pub(super) const PAIRS: usize = 4;
 pub(super) const WEIGHTS: usize = 4 * PAIRS;
 
-/// A low-pass of order eight with complex poles as a sum over its poles.
+/// A low-pass of order eight with complex poles, as a sum over its poles.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PoleSums {
     /// One of each conjugate pair.
@@ -44,7 +44,7 @@ pub(super) struct PoleSums {
 }
 
 impl PoleSums {
-    /// The sums of a filter; none if it has not four pairs of complex poles.
+    /// The pole sums of a filter; none if it does not have four pairs of complex poles.
     pub(super) fn new(filter: &SecondOrderSections) -> Option<Self> {
         let sections: [[f64; 5]; PAIRS] = filter.sections().try_into().ok()?;
         let mut poles = [Complex64::ZERO; PAIRS];
@@ -71,7 +71,7 @@ impl PoleSums {
         (0..PAIRS).map(term).sum()
     }
 
-    /// `2 Re sum_j c_j a_j`: what sums contribute to the output at their sample.
+    /// `2 Re sum_j c_j a_j`: the contribution of sums to the output at their sample.
     pub(super) fn output(&self, sums: &Sums) -> f64 {
         twice_real(&self.two_sided, &sums.0)
     }
@@ -87,12 +87,12 @@ impl PoleSums {
         (remainder.ln() / largest.ln()).ceil() as usize
     }
 
-    /// The causal sums of a channel that has always had the value `x`.
+    /// The causal sums of a channel that has been constant at `x`.
     pub(super) fn steady(&self, x: f64) -> Sums {
         Sums(self.poles.map(|p| x * (Complex64::ONE - p).inv()))
     }
 
-    /// `e_j p_j / c_j` from the causal sums at the last sample `x` of the extended record: the steady state in which the
+    /// `e_j p_j / c_j` from the causal sums at the last sample `x` of the extended recording: the steady state in which the
     /// backward pass starts, as anticausal sums at that sample.
     pub(super) fn end(&self, last: &Sums, x: f64) -> Sums {
         let forward = self.direct * x + twice_real(&self.residues, &last.0);
@@ -118,7 +118,7 @@ fn twice_real(a: &[Complex64; PAIRS], b: &[Complex64; PAIRS]) -> f64 {
     a.iter().zip(b).map(|(a, b)| 2.0 * (a * b).re).sum()
 }
 
-/// Consecutive samples of the extended record, `width` values each.
+/// Consecutive samples of the extended recording, `width` values each.
 pub(super) struct Interval {
     pub(super) samples: usize,
     pub(super) values: Vec<f64>,
@@ -135,8 +135,8 @@ impl Sums {
     }
 }
 
-/// The sums over one interval, channel by channel: what it adds to the causal sums at its last sample, and to the anticausal
-/// ones at the sample before its first.
+/// The sums over one interval, channel by channel: its contribution to the causal sums at its last sample, and to the anticausal sums at
+/// the sample before its first.
 pub(super) fn interval_sums(interval: &Interval, width: usize, weights: &[[f64; WEIGHTS]]) -> Vec<[Sums; 2]> {
     let mut of_channels = vec![[Sums::default(); 2]; width];
     for (tile, of_tile) in of_channels.chunks_exact_mut(LANES).enumerate() {
@@ -178,8 +178,7 @@ fn weights_of(poles: &[Complex64; PAIRS], samples: usize) -> Vec<[f64; WEIGHTS]>
     (1..=samples).map(of_sample).collect()
 }
 
-/// Eight channels of an interval: all that is done for every sample. Compiled once for each kind of vector instructions; what is
-/// called from here must be inlined.
+/// Eight channels of an interval: all the work done for every sample. Compiled once for each instruction set; callees must be inlined.
 struct TileOfInterval<'a> {
     values: &'a [f64],
     width: usize,
@@ -192,7 +191,7 @@ impl pulp::WithSimd for TileOfInterval<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
         let mut sums = [[0.0; LANES]; WEIGHTS];
-        // Four weights at a time: their sums stay in registers.
+        // Four weights at a time, so that their sums stay in registers.
         for group in 0..WEIGHTS / PAIRS {
             let mut of_group = [[0.0; LANES]; PAIRS];
             for (sample, weights) in self.values.chunks(self.width).zip(self.weights) {

@@ -5,14 +5,14 @@ use thetahat_ground::series::Series;
 
 /// Steps of the search per octave.
 const STEPS_PER_OCTAVE: i32 = 4;
-/// Octaves below the cut-off that are searched.
+/// Octaves searched below the cut-off.
 const OCTAVES: i32 = 4;
-/// What is taken away may exceed the noise by this factor: then it holds no more motion than noise.
+/// Largest ratio of the removed rms to the expected noise: beyond it more motion than noise is removed.
 const OF_NOISE: f64 = std::f64::consts::SQRT_2;
-/// Rms that may be taken away where there is less noise, relative to the rms of the motion about its mean.
+/// Removed rms that is always allowed, relative to the rms of the motion about its mean.
 const OF_MOTION: f64 = 1e-3;
 
-/// Positions low-passed as far as the motion allows.
+/// Positions low-passed as strongly as the motion allows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Smoothed {
     /// The positions.
@@ -21,13 +21,13 @@ pub struct Smoothed {
     pub cutoff_hz: f64,
 }
 
-/// Smooths recorded positions by the lowest cut-off that takes noise away and leaves the motion.
+/// Smooths recorded positions by the lowest cut-off that removes noise and keeps the motion.
 ///
 /// The filter is Butterworth's, forward and backward: on equal steps its gain `1 / (1 + (f / f_c)^2n)` is that of the
-/// smoothing spline that penalises the n-th derivative. `cutoff_hz` is the highest cut-off, `motion` the positions behind it.
-/// What lies above it is taken as white noise, and gives the noise expected between any two frequencies. A lower cut-off is
-/// allowed where, for each joint, the rms of what it takes away in `window` is at most sqrt(2) times the noise expected
-/// there, or 0.1 % of the rms of the motion about its mean.
+/// smoothing spline that penalises the n-th derivative. `cutoff_hz` is the highest cut-off, `motion` the positions filtered with it. The
+/// difference above it is treated as white noise, and gives the noise expected between any two frequencies. A lower cut-off is
+/// allowed if, for each joint, the rms of what it removes in `window` is at most sqrt(2) times the noise expected there, or 0.1 % of the
+/// rms of the motion about its mean.
 ///
 /// # Errors
 /// As [`zero_phase`].
@@ -36,7 +36,8 @@ pub fn smooth(
     motion: &Series,
     window: &Range<usize>,
     sample_rate_hz: f64,
-    (order, cutoff_hz): (usize, f64),
+    filter_order: usize,
+    cutoff_hz: f64,
 ) -> Result<Smoothed, SignalError> {
     let densities = noise_densities(position, motion, window, sample_rate_hz, cutoff_hz);
     let motions: Vec<f64> =
@@ -44,7 +45,7 @@ pub fn smooth(
     let mut smoothed = Smoothed { q: motion.clone(), cutoff_hz };
     for step in 1..=OCTAVES * STEPS_PER_OCTAVE {
         let lower = cutoff_hz * (-f64::from(step) / f64::from(STEPS_PER_OCTAVE)).exp2();
-        let filter = SecondOrderSections::butterworth_lowpass(order, lower, sample_rate_hz)?;
+        let filter = SecondOrderSections::butterworth_lowpass(filter_order, lower, sample_rate_hz)?;
         let q = zero_phase(&filter, position, Padding::Matlab)?;
         let taken = rms_differences(motion, &q, window);
         let allowed = |j: usize| (OF_NOISE * (densities[j] * (cutoff_hz - lower)).sqrt()).max(OF_MOTION * motions[j]);
@@ -56,7 +57,7 @@ pub fn smooth(
     Ok(smoothed)
 }
 
-/// Variance per Hz of what is above the cut-off, per channel.
+/// Noise variance per Hz above the cut-off, per channel.
 pub fn noise_densities(
     position: &Series,
     motion: &Series,
@@ -67,7 +68,7 @@ pub fn noise_densities(
     densities_of_squares(&squared_differences(position, motion, window), window.len(), rate, cutoff_hz)
 }
 
-/// The same from the sums of squares, over so many samples, of what the filter takes away.
+/// [`noise_densities`] from the sums of squares of what the filter removes over `samples` samples.
 #[doc(hidden)]
 pub fn densities_of_squares(squares: &[f64], samples: usize, rate: f64, cutoff_hz: f64) -> Vec<f64> {
     let above = 0.5 * rate - cutoff_hz;
@@ -109,14 +110,14 @@ mod tests {
         };
         let wave = |t: f64| (6.0 * t).sin() + 0.1 * (std::f64::consts::TAU * highest_hz * t).cos();
         let values = (0..10_000).map(|k| wave(f64::from(k) / RATE_HZ) + noise * 12_f64.sqrt() * uniform()).collect();
-        Series::from_values(1, values)
+        Series::shaped(1, values)
     }
 
     fn cutoff_of(highest_hz: f64, noise: f64) -> f64 {
         let record = record(highest_hz, noise);
         let filter = SecondOrderSections::butterworth_lowpass(4, CUTOFF_HZ, RATE_HZ).unwrap();
         let motion = zero_phase(&filter, &record, Padding::Matlab).unwrap();
-        smooth(&record, &motion, &(500..9500), RATE_HZ, (4, CUTOFF_HZ)).unwrap().cutoff_hz
+        smooth(&record, &motion, &(500..9500), RATE_HZ, 4, CUTOFF_HZ).unwrap().cutoff_hz
     }
 
     #[test]

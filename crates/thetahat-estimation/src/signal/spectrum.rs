@@ -1,4 +1,4 @@
-//! Power spectral densities, and noise that has one.
+//! Power spectral densities, and noise drawn from them.
 
 use std::f64::consts::TAU;
 
@@ -8,9 +8,9 @@ use realfft::RealFftPlanner;
 
 use thetahat_ground::series::Series;
 
-/// Most samples of a segment: more resolve frequencies that no filter separates.
+/// Largest number of samples of a segment: more resolve frequencies that no filter separates.
 const LONGEST_SEGMENT: usize = 8192;
-/// Segments that a record is long at least, where it is long enough for that.
+/// Fewest segments of a recording, if it is long enough.
 const SEGMENTS: usize = 4;
 
 /// One-sided power spectral densities of the channels of a series, at equal steps of frequency from zero.
@@ -23,8 +23,8 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// The densities of a series by Welch's method: segments of up to 8192 samples that overlap by half, each without its
-    /// straight line and under Hann's window.
+    /// The densities of a series by Welch's method: segments of up to 8192 samples that overlap by half, each detrended by a straight line
+    /// and multiplied by Hann's window.
     ///
     /// The integral of a channel's density is its variance. A series of fewer than four samples has no frequencies.
     ///
@@ -32,11 +32,13 @@ impl Spectrum {
     /// Electroacoustics 15 (1967), equations (1) to (7).
     ///
     /// ```
-    /// use thetahat::{series::Series, signal::Spectrum};
+    /// use thetahat_estimation::signal::Spectrum;
+    /// use thetahat_ground::series::Series;
     /// // A sine of amplitude 2 at 5 Hz: its variance of 2 lies around 5 Hz.
     /// let sine = |k: i32| 2.0 * (std::f64::consts::TAU * 5.0 * f64::from(k) / 100.0).sin();
-    /// let spectrum = Spectrum::of(&Series::from_values(1, (0..4000).map(sine).collect()), 100.0);
+    /// let spectrum = Spectrum::of(&Series::from_values(1, (0..4000).map(sine).collect())?, 100.0);
     /// assert!((spectrum.variance(0, 4.0..6.0) - 2.0).abs() < 0.02);
+    /// # Ok::<(), thetahat::series::SeriesError>(())
     /// ```
     #[must_use]
     pub fn of(series: &Series, sample_rate_hz: f64) -> Self {
@@ -63,7 +65,7 @@ impl Spectrum {
         inside.map(|(_, density)| density * self.step_hz).sum()
     }
 
-    /// The median density of a channel within frequencies in Hz; none where no frequency is in them.
+    /// The median density of a channel within frequencies in Hz; none if no frequency is in them.
     #[must_use]
     pub fn median(&self, channel: usize, within_hz: std::ops::Range<f64>) -> Option<f64> {
         let inside = self.frequencies_hz().zip(&self.density[channel]).filter(|(f, _)| within_hz.contains(f));
@@ -72,7 +74,7 @@ impl Spectrum {
         inside.get(inside.len() / 2).copied()
     }
 
-    /// Gaussian noise with the densities, one channel for each: what `rng` draws in the frequencies, shaped.
+    /// Gaussian noise with these densities, one channel for each; `rng` draws the spectrum.
     #[must_use]
     pub fn draw(&self, samples: usize, sample_rate_hz: f64, rng: &mut impl Rng) -> Series {
         let mut planner = RealFftPlanner::<f64>::new();
@@ -83,7 +85,7 @@ impl Spectrum {
                 let last = frequencies.len() - 1;
                 let step_hz = sample_rate_hz / samples as f64;
                 for (i, value) in frequencies.iter_mut().enumerate().skip(1) {
-                    // Real and imaginary part have half of a line's variance each, a fourth of it at either frequency's sign.
+                    // Real and imaginary part each have half of a line's variance, a quarter at either sign of the frequency.
                     let scale = (0.25 * self.at(c, i as f64 * step_hz) * step_hz).sqrt();
                     let mut normal = || -> f64 { StandardNormal.sample(&mut *rng) };
                     (value.re, value.im) = (scale * normal(), scale * normal());
@@ -92,15 +94,15 @@ impl Spectrum {
                     frequencies[last].im = 0.0;
                 }
                 let mut noise = inverse.make_output_vec();
-                // The vectors are made for this transform, and what must be real is real.
+                // The vectors have the transform's lengths, and the real parts required are real.
                 inverse.process(&mut frequencies, &mut noise).unwrap_or_default();
                 noise
             })
             .collect();
-        Series::from_channels(&channels)
+        Series::side_by_side(&channels)
     }
 
-    /// The density of a channel at a frequency, between those that are known on a straight line.
+    /// The density of a channel at a frequency, interpolated linearly.
     #[must_use]
     pub fn at(&self, channel: usize, frequency_hz: f64) -> f64 {
         let density = &self.density[channel];
@@ -125,7 +127,7 @@ fn density(channel: &[f64], window: &[f64], rate: f64) -> Vec<f64> {
     for &start in &starts {
         write_without_line(&channel[start..start + length], &mut segment);
         segment.iter_mut().zip(window).for_each(|(value, w)| *value *= w);
-        // The vectors are made for this transform.
+        // The vectors have the transform's lengths.
         forward.process(&mut segment, &mut frequencies).unwrap_or_default();
         sum.iter_mut().zip(&frequencies).for_each(|(s, f)| *s += f.norm_sqr());
     }
@@ -137,7 +139,7 @@ fn density(channel: &[f64], window: &[f64], rate: f64) -> Vec<f64> {
     sum
 }
 
-/// Values less their straight line of least squares.
+/// Values minus their least-squares straight line.
 fn write_without_line(values: &[f64], out: &mut [f64]) {
     let n = values.len() as f64;
     let centre = 0.5 * (n - 1.0);
@@ -161,7 +163,7 @@ mod tests {
     fn white(samples: usize, deviation: f64) -> Series {
         let mut rng = ChaCha8Rng::seed_from_u64(7);
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
-        Series::from_values(1, (0..samples).map(|_| deviation * normal()).collect())
+        Series::shaped(1, (0..samples).map(|_| deviation * normal()).collect())
     }
 
     #[test]
@@ -177,7 +179,7 @@ mod tests {
 
     #[test]
     fn a_straight_line_has_no_power() {
-        let line = Series::from_values(1, (0..1000).map(|k| 3.0 + 0.1 * f64::from(k)).collect());
+        let line = Series::shaped(1, (0..1000).map(|k| 3.0 + 0.1 * f64::from(k)).collect());
         assert!(Spectrum::of(&line, RATE_HZ).variance(0, 0.0..RATE_HZ) < 1e-20);
     }
 
@@ -195,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_too_short_has_no_frequencies() {
+    fn a_recording_too_short_has_no_frequencies() {
         let spectrum = Spectrum::of(&Series::zeros(5, 2), RATE_HZ);
         assert_eq!((spectrum.density.len(), spectrum.median(0, 0.0..RATE_HZ)), (2, None));
     }

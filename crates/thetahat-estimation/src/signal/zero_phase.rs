@@ -6,7 +6,7 @@ use super::design::SecondOrderSections;
 use super::error::SignalError;
 use super::forward_backward::{Kept, Shape, forward_backward};
 
-/// How many samples a record is extended by at both ends before it is filtered forward and backward.
+/// Number of samples by which a recording is extended at both ends before it is filtered forward and backward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Padding {
     /// MATLAB's `filtfilt(b, a, x)`: three times the order.
@@ -28,8 +28,8 @@ impl Padding {
 
 /// The series filtered forward and backward: no delay, and the gain of one pass squared.
 ///
-/// Both ends are extended by the odd reflection `2 x[0] - x[k]`, and each pass starts in the steady state of the first
-/// value it meets, so that a constant passes unchanged (for a filter with gain 1 at DC). The padding is MATLAB's or
+/// Both ends are extended by the odd reflection `2 x[0] - x[k]`, and each pass starts in the steady state of its first value, so that a
+/// constant passes unchanged (for a filter with gain 1 at DC). The padding is MATLAB's or
 /// SciPy's, see [`Padding`]; away from the ends the two agree. The effective bandwidth is below the cut-off, see
 /// [`minus_3_db_bandwidth_hz`](super::minus_3_db_bandwidth_hz).
 ///
@@ -37,12 +37,13 @@ impl Padding {
 /// [`SignalError::RecordTooShort`] if the series is not longer than the padding.
 ///
 /// ```
-/// use thetahat::{series::Series, signal::{Padding, SecondOrderSections, zero_phase}};
+/// use thetahat_estimation::signal::{zero_phase, Padding, SecondOrderSections};
+/// use thetahat_ground::series::Series;
 /// let filter = SecondOrderSections::butterworth_lowpass(4, 50.0, 1000.0)?;
-/// let constant = Series::from_values(1, vec![2.0; 100]);
+/// let constant = Series::from_values(1, vec![2.0; 100])?;
 /// let filtered = zero_phase(&filter, &constant, Padding::Matlab)?;
 /// assert!(filtered.values().iter().all(|y| (y - 2.0).abs() < 1e-11));
-/// # Ok::<(), thetahat::signal::SignalError>(())
+/// # Ok::<(), thetahat_estimation::signal::SignalError>(())
 /// ```
 pub fn zero_phase(filter: &SecondOrderSections, series: &Series, padding: Padding) -> Result<Series, SignalError> {
     let fill = |k: usize, sample: &mut [f64]| sample.copy_from_slice(series.sample(k));
@@ -72,7 +73,7 @@ mod tests {
     #[test]
     fn a_constant_passes_unchanged() -> Result<(), SignalError> {
         for order in 1..=8 {
-            let constant = Series::from_values(3, vec![-7.5; 300]);
+            let constant = Series::shaped(3, vec![-7.5; 300]);
             for padding in [Padding::Matlab, Padding::Scipy] {
                 let filtered = zero_phase(&filter(order)?, &constant, padding)?;
                 assert!(largest_difference(filtered.values(), constant.values()) < 7.5 * ROUNDING, "order {order}");
@@ -84,7 +85,7 @@ mod tests {
     /// Only away from the ends, where the passes start in the steady state of a constant.
     #[test]
     fn a_ramp_passes_unchanged_inside() -> Result<(), SignalError> {
-        let ramp = Series::from_values(1, (0..2000).map(|k| 3.0 + 0.01 * f64::from(k)).collect());
+        let ramp = Series::shaped(1, (0..2000).map(|k| 3.0 + 0.01 * f64::from(k)).collect());
         for order in 1..=8 {
             let filtered = zero_phase(&filter(order)?, &ramp, Padding::Matlab)?;
             let inside = 800..1200;
@@ -112,16 +113,16 @@ mod tests {
         let columns: Vec<Vec<f64>> = (0..19)
             .map(|c| (0..200).map(|k| (f64::from(k * (c + 1)) * 0.013).sin() + f64::from(c)).collect())
             .collect();
-        let together = zero_phase(&filter(5)?, &Series::from_channels(&columns), Padding::Scipy)?;
+        let together = zero_phase(&filter(5)?, &Series::side_by_side(&columns), Padding::Scipy)?;
         for (c, column) in columns.into_iter().enumerate() {
-            let alone = zero_phase(&filter(5)?, &Series::from_values(1, column), Padding::Scipy)?;
+            let alone = zero_phase(&filter(5)?, &Series::shaped(1, column), Padding::Scipy)?;
             assert_eq!(together.channel(c), alone.values(), "channel {c}");
         }
         Ok(())
     }
 
     #[test]
-    fn a_record_as_short_as_the_padding_is_refused() -> Result<(), SignalError> {
+    fn a_recording_as_short_as_the_padding_is_refused() -> Result<(), SignalError> {
         let result = zero_phase(&filter(4)?, &Series::zeros(12, 1), Padding::Matlab);
         assert_eq!(result, Err(SignalError::RecordTooShort { needed: 13, found: 12 }));
         assert!(zero_phase(&filter(4)?, &Series::zeros(13, 1), Padding::Matlab).is_ok());

@@ -3,7 +3,7 @@ use serde::{Deserialize, Serialize};
 /// Name of the case without errors of the simulator.
 pub const NOMINAL: &str = "nominal";
 
-/// How the simulator differs from the true loop: factors, and a delay that comes on top.
+/// How the simulator differs from the true loop: factors, and an additional delay.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SimulatorBias {
@@ -103,7 +103,7 @@ impl BiasKind {
         }
     }
 
-    /// Whether it is a factor; else it is added.
+    /// Whether it is a factor; otherwise it is added.
     #[must_use]
     pub fn is_factor(self) -> bool {
         !matches!(self, Self::Delay | Self::ReferenceOffset)
@@ -111,7 +111,7 @@ impl BiasKind {
 }
 
 impl SimulatorBias {
-    /// The simulator with one more difference: a factor that multiplies what is there, or a value that is added.
+    /// The bias with one more difference: a factor is multiplied, a value is added.
     #[must_use]
     pub fn with(self, kind: BiasKind, by: f64) -> Self {
         match kind {

@@ -17,10 +17,10 @@ pub struct ClosedLoop<'a> {
     pub controller: &'a ControllerDescription,
     /// What it follows.
     pub reference: &'a Reference,
-    /// A recorded signal added to the drive signals behind the saturation, held from sample to sample at its rate.
+    /// A recorded signal added to the drive signals after the saturation, held from sample to sample at its rate.
     pub added_signal: Option<(&'a Series, f64)>,
-    /// The recorded channels that the robot's torque terms take, as [`State::channels`](thetahat_model::dynamics::State::channels) has
-    /// them, from time zero at their rate; linear from sample to sample.
+    /// The recorded channels that the robot's torque terms use, as in [`State::channels`](thetahat_model::dynamics::State::channels), from
+    /// time zero at their rate; linear between samples.
     pub channels: Option<(&'a Series, f64)>,
     /// How the simulated robot and controller differ from the true ones.
     pub bias: SimulatorBias,
@@ -30,7 +30,7 @@ pub struct ClosedLoop<'a> {
     pub sign_velocity_scale: f64,
 }
 
-/// A simulation to be run: a loop with its parameters and outputs.
+/// A simulation to run: a loop with its parameters and outputs.
 #[derive(Debug, Clone, Copy)]
 pub struct Job<'a> {
     /// The loop.
@@ -39,7 +39,7 @@ pub struct Job<'a> {
     pub theta: &'a [f64],
     /// The inertia for the gains of a controller that is given by its bandwidth.
     pub motor_inertia: &'a [f64],
-    /// When its motion is wanted.
+    /// The output times.
     pub grid: OutputGrid,
 }
 
@@ -52,7 +52,7 @@ impl ClosedLoop<'_> {
     #[must_use]
     pub fn motor_inertia(&self, theta: &[f64], duration_s: f64) -> Vec<f64> {
         let joints = self.model.coordinate_count();
-        let parameters = DynamicParameters::new(self.model, theta);
+        let parameters = DynamicParameters::sorted(self.model, theta);
         let mut workspace = Workspace::new(self.model);
         let [mut q, mut dq, mut ddq] = [(); 3].map(|()| vec![0.0; joints]);
         let mut m = vec![0.0; joints * joints];

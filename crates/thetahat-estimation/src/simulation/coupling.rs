@@ -1,6 +1,6 @@
 use thetahat_ground::linear_algebra::Matrix;
 
-/// The entries of a coupling matrix that are not zero: of the joints, most move one motor only.
+/// The nonzero entries of a coupling matrix: most joints move only one motor.
 pub(super) struct Coupling {
     entries: Vec<(usize, usize, f64)>,
 }

@@ -1,9 +1,9 @@
-//! Whether parameters can be simulated: their mass matrix against that of other ones.
+//! Whether parameters can be simulated: compares their mass matrix with that of other parameters.
 
 use super::closed_loop::ClosedLoop;
 use thetahat_model::dynamics::{DynamicParameters, Workspace, factorise};
 
-/// Points of the reference at which the mass matrix is looked at.
+/// Points of the reference at which the mass matrix is evaluated.
 const POINTS: usize = 25;
 
 impl ClosedLoop<'_> {
@@ -11,7 +11,7 @@ impl ClosedLoop<'_> {
     #[must_use]
     pub fn has_mass_matrix_above(&self, theta: &[f64], part: f64, least: &[f64], duration_s: f64) -> bool {
         let n = self.model.coordinate_count();
-        let parameters = [theta, least].map(|theta| DynamicParameters::new(self.model, theta));
+        let parameters = [theta, least].map(|theta| DynamicParameters::sorted(self.model, theta));
         let mut workspace = Workspace::new(self.model);
         let [mut q, mut dq, mut ddq] = [(); 3].map(|()| vec![0.0; n]);
         let [mut mass, mut other] = [(); 2].map(|()| vec![0.0; n * n]);

@@ -34,12 +34,12 @@ const P: [[f64; 4]; 7] = [
     [0.0, -11.0 / 7.0, 11.0 / 3.0, -55.0 / 28.0],
     [0.0, 3.0 / 2.0, -4.0, 5.0 / 2.0],
 ];
-/// The integration of `dy/dt = f(t, y)` from interval to interval, with its scratch: nothing is allocated while it runs.
+/// The integration of `dy/dt = f(t, y)` over consecutive intervals, with preallocated scratch: nothing is allocated while it runs.
 ///
-/// It does not call f but asks the caller for it, so that several integrations can be interleaved:
+/// It does not call f but requests its values from the caller, so that several integrations can be interleaved:
 ///
 /// ```
-/// use thetahat::simulation::{DormandPrince, Next};
+/// use thetahat_estimation::simulation::{DormandPrince, Next};
 ///
 /// let mut integrator = DormandPrince::adaptive(1e-3, 1e-6, vec![1.0]);
 /// integrator.begin(0.0, 1.0);
@@ -54,7 +54,7 @@ const P: [[f64; 4]; 7] = [
 ///     }
 /// }
 /// assert!((integrator.state()[0] - (-1.0_f64).exp()).abs() < 1e-3);
-/// # Ok::<(), thetahat::simulation::StepTooSmall>(())
+/// # Ok::<(), thetahat_estimation::simulation::StepTooSmall>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct DormandPrince {
@@ -66,16 +66,16 @@ pub struct DormandPrince {
     phase: Phase,
 }
 
-/// Where an integration is.
+/// The phase of an integration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Phase {
     /// Between two intervals.
     Idle,
     /// An interval is begun.
     Begun,
-    /// The slope of this stage is wanted.
+    /// The slope of this stage is requested.
     Stage(usize),
-    /// A step is accepted and not yet taken; the size to try next.
+    /// A step is accepted; the value is the next size to try.
     Accepted(f64),
 }
 
@@ -117,7 +117,7 @@ impl DormandPrince {
         &self.state
     }
 
-    /// The stage of the slope that is wanted.
+    /// The stage of the requested slope.
     pub(super) fn stage(&self) -> usize {
         if let Phase::Stage(stage) = self.phase { stage } else { 0 }
     }
@@ -128,14 +128,14 @@ impl DormandPrince {
         AcceptedStep { start_s, step, from: &self.state, slopes: &self.stages, interpolant: &P }
     }
 
-    /// Begins the interval from `t0` to `t1`, at the state reached.
+    /// Begins the interval from `t0` to `t1`, at the current state.
     pub fn begin(&mut self, t0: f64, t1: f64) {
         self.control.begin(t0, t1);
         self.phase = Phase::Begun;
         self.trial.copy_from_slice(&self.state);
     }
 
-    /// The time and the state of the slope that is wanted, and where to write it.
+    /// The time and the state of the requested slope, and where to write it.
     pub fn wanted(&mut self) -> (f64, &[f64], &mut [f64]) {
         let stage = if let Phase::Stage(s) = self.phase { s } else { 0 };
         let StepControl { time, step, .. } = self.control;
@@ -143,7 +143,7 @@ impl DormandPrince {
         (time, &self.trial, &mut self.stages[stage])
     }
 
-    /// Goes on to the next slope that is wanted, accepted step, or the end of the interval.
+    /// Advances to the next requested slope, accepted step, or the end of the interval.
     ///
     /// # Errors
     /// [`StepTooSmall`] with the time where the step vanishes.

@@ -16,7 +16,7 @@ pub enum SimulationError {
         /// Its velocity there, rad/s or m/s; it may be NaN.
         velocity: f64,
     },
-    /// The parameters have no accelerations.
+    /// The accelerations do not exist for these parameters.
     #[error("at {time_s:.4} s of the simulation: {source}")]
     Dynamics {
         /// The time.
@@ -32,10 +32,10 @@ pub enum SimulationError {
         /// The time.
         time_s: f64,
     },
-    /// The simulated motion is too short for the filters of the record.
+    /// The simulated motion is too short for the filters of the recording.
     #[error("the simulated motion is too short for the filters; take a longer window")]
     TooShortToFilter,
-    /// Adaptive steps so short that they would take more work than any record needs.
+    /// Adaptive steps so short that they would take more work than any recording needs.
     #[error(
         "the simulation took {steps:.1e} steps up to {time_s:.4} s: the loop is too stiff; lower the bandwidth, loosen the tolerance or widen sign_velocity_scale"
     )]
@@ -45,7 +45,7 @@ pub enum SimulationError {
         /// The time reached.
         time_s: f64,
     },
-    /// Fixed steps or a sample time that would take more work than any record needs.
+    /// Fixed steps or a sample time that would take more work than any recording needs.
     #[error("the simulation would take {steps:.1e} steps of {step_s} s; use a longer step")]
     TooManySteps {
         /// Steps it would take.

@@ -50,7 +50,7 @@ impl Integrator {
         }
     }
 
-    /// The stage of the slope that is wanted.
+    /// The stage of the requested slope.
     pub(super) fn stage(&self) -> usize {
         match self {
             Self::Explicit(method) => method.stage(),
@@ -66,7 +66,7 @@ impl Integrator {
         }
     }
 
-    /// Whether the mass matrix at the wanted slope is needed as well.
+    /// Whether the mass matrix at the requested slope is needed as well.
     pub(super) fn needs_mass_matrix(&self) -> bool {
         match self {
             Self::Explicit(_) => false,
@@ -74,7 +74,7 @@ impl Integrator {
         }
     }
 
-    /// Time, state and step at which the right-hand side is to be linearised; an explicit method has none.
+    /// Time, state and step at which to linearise the right-hand side; none for an explicit method.
     pub(super) fn wanted_linearisation(&mut self) -> Option<(f64, &[f64], f64, &mut Linearisation)> {
         match self {
             Self::Explicit(_) => None,

@@ -4,17 +4,19 @@
 //! one in its gear ratios, drive gains, controller gains and delay ([`SimulatorBias`]).
 //!
 //! Coulomb friction is regularised, `sign(v)` as `tanh(v / scale)`: a discontinuous sign makes an adaptive integrator
-//! chatter at rest, and its accelerations there do not converge with the step. The scale is data; what it does to the
+//! chatter at rest, and its accelerations there do not converge with the step. The scale is a setting; its effect on the
 //! result is in `docs/evidence/simulation.md`.
 //!
 //! ```
-//! use thetahat::{series::Series, simulation::{Reference, SampledReference}};
+//! use thetahat_estimation::simulation::{Reference, SampledReference};
+//! use thetahat_ground::series::Series;
 //! // A recorded reference t^2, and its derivatives between two samples.
 //! let samples = (0..100).map(|k| (f64::from(k) / 100.0).powi(2)).collect();
-//! let reference = Reference::Sampled(SampledReference::new(Series::from_values(1, samples), 100.0));
+//! let reference = Reference::Sampled(SampledReference::new(Series::from_values(1, samples)?, 100.0));
 //! let (mut q, mut dq, mut ddq) = ([0.0], [0.0], [0.0]);
 //! reference.evaluate(0.505, &mut q, &mut dq, &mut ddq);
 //! assert!((dq[0] - 1.01).abs() < 1e-9 && (ddq[0] - 2.0).abs() < 1e-9);
+//! # Ok::<(), thetahat::series::SeriesError>(())
 //! ```
 
 mod bias;
@@ -26,6 +28,7 @@ mod error;
 mod integrator;
 mod motion;
 mod motor_reference;
+mod noise;
 mod plant;
 mod reference;
 mod rosenbrock_w;
@@ -46,6 +49,7 @@ pub use closed_loop::{ClosedLoop, Job};
 pub use dormand_prince::DormandPrince;
 pub use error::SimulationError;
 pub use motion::{OutputGrid, SimulatedMotion};
+pub use noise::{Autoregression, NoisySignals, RecordingNoise, SignalNoise, random_numbers};
 pub use reference::{PeriodicReference, Reference, SampledReference};
 pub use rosenbrock_w::{Linearisation, RosenbrockW};
 pub use sensitivity::{Motors, Sample, SensitiveTo, Sensitivities};

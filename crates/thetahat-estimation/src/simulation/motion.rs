@@ -19,7 +19,7 @@ impl OutputGrid {
     }
 }
 
-/// What a simulation gives at the times of its grid.
+/// The result of a simulation at the times of its grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedMotion {
     /// Joint positions, rad or m.

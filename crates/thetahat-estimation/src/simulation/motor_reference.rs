@@ -6,7 +6,7 @@ use thetahat_model::robot::Transmission;
 pub(super) struct MotorReference {
     reference: Reference,
     delay_s: f64,
-    /// The time last evaluated: the last stages of a step, and the first of the next, share one.
+    /// The time last evaluated: the last stages of a step, and the first of the next, share it.
     time_s: f64,
     /// Position of each motor in joint units at the time last evaluated.
     pub(super) p: Vec<f64>,
@@ -17,7 +17,7 @@ pub(super) struct MotorReference {
 }
 
 impl MotorReference {
-    /// The reference with its own biases; `delay_s` moves it in time.
+    /// The reference with the biases applied; `delay_s` shifts it in time.
     pub(super) fn new(reference: &Reference, transmission: &Transmission, bias: &SimulatorBias, delay_s: f64) -> Self {
         let coupling = Coupling::new(&transmission.motor_in_joint_units(), 1.0);
         let to_motors = |joints: &[f64]| {

@@ -1,4 +1,4 @@
-//! The simulated robot seen from its motors.
+//! The simulated robot in motor coordinates.
 
 use super::{closed_loop::ClosedLoop, coupling::Coupling, motion::OutputGrid};
 use thetahat_ground::{linear_algebra::Matrix, series::Series};
@@ -37,7 +37,7 @@ impl<'a> Plant<'a> {
         let joints_per_motor = setup.transmission.joints_per_motor();
         let drive = setup.transmission.drive_to_joint_units();
         Self {
-            parameters: DynamicParameters::new(setup.model, &with_friction(setup, theta)),
+            parameters: DynamicParameters::sorted(setup.model, &with_friction(setup, theta)),
             sign: Sign::Smooth { scale: setup.sign_velocity_scale },
             workspace: Workspace::new(setup.model),
             damping: DampingWorkspace::default(),
@@ -60,7 +60,7 @@ impl<'a> Plant<'a> {
         self.joints_per_motor.times(p).iter().zip(self.offset).map(|(q, o)| q + o).collect()
     }
 
-    /// Leaves the motor positions and velocities of a state in `p` and `v`.
+    /// Writes the motor positions and velocities of a state to `p` and `v`.
     #[inline]
     pub(super) fn observe(&mut self, x: &[f64]) {
         let (q, dq) = x.split_at(self.p.len());
@@ -69,14 +69,14 @@ impl<'a> Plant<'a> {
         self.coupling.to_motors(dq, &mut self.v);
     }
 
-    /// Leaves the joint torques of drive signals `u` in `tau`.
+    /// Writes the joint torques of drive signals `u` to `tau`.
     #[inline]
     pub(super) fn drive(&mut self, u: &[f64]) {
         self.scratch.iter_mut().zip(u.iter().zip(&self.drive)).for_each(|(s, (u, d))| *s = d * u);
         self.coupling.transpose_to_joints(&self.scratch, &mut self.tau);
     }
 
-    /// Leaves the recorded channels at a time in `channels`.
+    /// Writes the recorded channels at a time to `channels`.
     #[inline]
     pub(super) fn observe_channels(&mut self, t: f64) {
         if let Some((series, rate)) = self.recorded {
@@ -84,7 +84,7 @@ impl<'a> Plant<'a> {
         }
     }
 
-    /// The joint accelerations over a motion on a grid of times; the error names the first sample, from zero, that has none.
+    /// The joint accelerations over a motion on a grid of times; the error names the first sample, from zero, without a solution.
     pub(super) fn accelerations_of(
         &self,
         motion: [&Series; 3],
@@ -99,14 +99,14 @@ impl<'a> Plant<'a> {
         self.model.forward_dynamics_with_channels(&self.parameters, motion, channels.as_ref(), self.sign)
     }
 
-    /// The friction's part of the damping in a state.
+    /// The damping of the friction in a state.
     pub(super) fn friction_damping(&mut self, x: &[f64], d: &mut [f64]) {
         let (q, dq) = x.split_at(self.p.len());
         let state = State::new(q, dq).with_channels(&self.channels);
         self.model.damping_into(&self.parameters, state, self.sign, &mut self.damping, d);
     }
 
-    /// Adds what drive signals that fall by `slopes` per motor position or velocity give the joints: a stiffness or a damping.
+    /// Adds the joint stiffness or damping of drive signals that fall by `slopes` per motor position or velocity.
     pub(super) fn add_drive_slopes(&self, slopes: &[f64], matrix: &mut [f64]) {
         self.coupling.add_quadratic(|i| self.drive[i] * slopes[i], self.p.len(), matrix);
     }
@@ -125,7 +125,7 @@ impl<'a> Plant<'a> {
     }
 }
 
-/// The value of a series between two samples, at a place counted in samples; the first and the last beyond the ends.
+/// The value of a series at a fractional sample index; the first and last sample beyond the ends.
 pub(super) fn interpolate(series: &Series, place: f64, out: &mut [f64]) {
     let last = series.len() - 1;
     let place = place.clamp(0.0, last as f64);

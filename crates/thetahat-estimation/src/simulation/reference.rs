@@ -12,11 +12,11 @@ pub enum Reference {
     Periodic(PeriodicReference),
 }
 
-/// A periodic motion, and what it is not before it becomes one and behind.
+/// A periodic motion, and the transients before and after it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PeriodicReference {
     series: FourierSeries,
-    /// What is added to the series: zero where the motion repeats.
+    /// Added to the series: zero where the motion repeats.
     transient: SampledReference,
 }
 
@@ -93,7 +93,7 @@ impl SampledReference {
         }
     }
 
-    /// The slopes between the samples; zero before the first and behind the last.
+    /// The slopes between the samples; zero before the first and after the last.
     fn rates(&self, t: f64, dq: &mut [f64], ddq: &mut [f64], dddq: &mut [f64]) {
         let place = t * self.sample_rate_hz;
         let within = place >= 0.0 && place < (self.q.len() - 1) as f64;
@@ -107,7 +107,7 @@ impl SampledReference {
     }
 }
 
-/// Times this close to a sample, in samples, are that sample: k * T is not exact.
+/// Fractional sample indices this close to a sample count as that sample: k * T is not exact.
 const SAME_SAMPLE: f64 = 1e-6;
 
 impl Reference {
@@ -156,7 +156,7 @@ impl Reference {
 }
 
 fn mapped(series: &Series, map: &dyn Fn(&[f64]) -> Vec<f64>) -> Series {
-    Series::from_values(series.channels(), (0..series.len()).flat_map(|k| map(series.sample(k))).collect())
+    Series::shaped(series.channels(), (0..series.len()).flat_map(|k| map(series.sample(k))).collect())
 }
 
 #[cfg(test)]
@@ -165,13 +165,13 @@ mod tests {
     use crate::trajectory::{LowPass, find_periodic};
 
     #[test]
-    fn a_periodic_reference_holds_where_its_record_ends() {
+    fn a_periodic_reference_holds_where_its_recording_ends() {
         let (rate, samples) = (100.0, 1030);
         let wave = |k: usize| (std::f64::consts::TAU * k as f64 / 130.0).sin();
-        let position = Series::from_values(1, (0..samples).map(wave).collect());
+        let position = Series::shaped(1, (0..samples).map(wave).collect());
         let low_pass = LowPass { sample_rate_hz: rate, order: 4, cutoff_hz: 20.0 };
         let periodic = find_periodic(&position, &(0..samples), low_pass).unwrap();
-        let rest = SampledReference::new(Series::from_values(1, vec![0.0; samples]), rate);
+        let rest = SampledReference::new(Series::shaped(1, vec![0.0; samples]), rate);
         let reference = Reference::Periodic(PeriodicReference::new(periodic.series, rest));
         let at = |t: f64| {
             let [mut q, mut dq, mut ddq] = [[0.0]; 3];

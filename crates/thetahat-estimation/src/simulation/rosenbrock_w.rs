@@ -20,14 +20,14 @@ use thetahat_model::dynamics::{factorise, solve_factorised};
 pub(super) const STAGES: usize = 4;
 /// The coefficient that the stages share.
 pub(super) const GAMMA: f64 = 0.435_866_521_508_459;
-/// Weights of the slopes before, in the state of each stage.
+/// Weights of the previous slopes in the state of each stage.
 pub(super) const ALPHA: [[f64; STAGES]; STAGES] = [
     [0.0, 0.0, 0.0, 0.0],
     [0.871_733_043_016_918, 0.0, 0.0, 0.0],
     [0.844_570_600_153_694_2, -0.112_990_642_364_841_85, 0.0, 0.0],
     [0.0, 0.0, 1.0, 0.0],
 ];
-/// Weights of the slopes before, in the linear part of each stage.
+/// Weights of the previous slopes in the linear part of each stage.
 pub(super) const COUPLING: [[f64; STAGES]; STAGES] = [
     [0.0, 0.0, 0.0, 0.0],
     [-0.871_733_043_016_918, 0.0, 0.0, 0.0],
@@ -36,7 +36,7 @@ pub(super) const COUPLING: [[f64; STAGES]; STAGES] = [
 ];
 /// Weights of the slopes in the step.
 pub(super) const B: [f64; STAGES] = [0.242_123_807_060_953_46, -1.223_250_583_904_514_7, 1.545_260_255_335_102, GAMMA];
-/// Those of the embedded formula of second order.
+/// Weights of the embedded formula of second order.
 const EMBEDDED: [f64; STAGES] = [0.378_109_031_458_193_7, -0.096_042_292_212_423_18, 0.5, 0.217_932_605_754_229_5];
 /// Coefficients of s, s^2, s^3, s^4 in the interpolant at the fraction s of a step: the weights that satisfy the conditions of
 /// second order of a W-method and `sum b alpha^2 = s^3 / 3` at every s, and so are `B` at one.
@@ -48,7 +48,7 @@ const INTERPOLANT: [[f64; 4]; STAGES] = [
 ];
 
 /// A mechanical system where a step starts: `M dv/dt` changes by `-K` per position, `-D` per velocity and `rate` per second.
-/// What is left out of K, D and the rate costs accuracy where it is stiff, and never the order.
+/// Omitting parts of K, D and the rate costs accuracy in stiff systems, but not the order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Linearisation {
     /// The mass matrix M, n by n, row by row.
@@ -63,10 +63,10 @@ pub struct Linearisation {
 
 /// The integration of a mechanical system, positions and velocities in one state, from interval to interval.
 ///
-/// As [`super::DormandPrince`] it asks for slopes, and once a step for a [`Linearisation`]:
+/// Like [`super::DormandPrince`] it requests slopes, and once a step a [`Linearisation`]:
 ///
 /// ```
-/// use thetahat::simulation::{Next, RosenbrockW};
+/// use thetahat_estimation::simulation::{Next, RosenbrockW};
 ///
 /// // dv/dt = -1e6 (v - 1): the time constant is a microsecond.
 /// let mut integrator = RosenbrockW::new(1e-3, 1e-6, vec![0.0, 0.0]);
@@ -86,14 +86,14 @@ pub struct Linearisation {
 ///     }
 /// }
 /// assert!((integrator.state()[1] - 1.0).abs() < 1e-6 && integrator.counts().steps < 100);
-/// # Ok::<(), thetahat::simulation::StepTooSmall>(())
+/// # Ok::<(), thetahat_estimation::simulation::StepTooSmall>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct RosenbrockW {
     control: StepControl,
     /// The right-hand side where the step starts.
     start: Vec<f64>,
-    /// That of a stage, then the stage's slope.
+    /// The right-hand side of a stage, then the stage's slope.
     slopes: [Vec<f64>; STAGES],
     state: Vec<f64>,
     trial: Vec<f64>,
@@ -101,27 +101,27 @@ pub struct RosenbrockW {
     linearisation: Linearisation,
     /// The factors of `M + h gamma D + (h gamma)^2 K`.
     matrix: Vec<f64>,
-    /// Scratch: the slopes before, as they count in a stage.
+    /// Scratch: the previous slopes, as weighted in a stage.
     before: Vec<f64>,
     /// Scratch: the right side of a stage.
     right: Vec<f64>,
     phase: Phase,
 }
 
-/// Where an integration is.
+/// The phase of an integration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Phase {
     /// Between two intervals.
     Idle,
     /// An interval is begun.
     Begun,
-    /// The slope where the step starts is wanted.
+    /// The slope at the start of the step is requested.
     Start,
-    /// The linearisation is wanted.
+    /// The linearisation is requested.
     Linearisation,
-    /// The slope of this stage is wanted.
+    /// The slope of this stage is requested.
     Stage(usize),
-    /// A step is accepted and not yet taken; the size to try next.
+    /// A step is accepted; the value is the next size to try.
     Accepted(f64),
 }
 
@@ -164,7 +164,7 @@ impl RosenbrockW {
         &self.state
     }
 
-    /// The stage of the slope that is wanted.
+    /// The stage of the requested slope.
     pub(super) fn stage(&self) -> usize {
         if let Phase::Stage(stage) = self.phase { stage } else { 0 }
     }
@@ -175,19 +175,19 @@ impl RosenbrockW {
         AcceptedStep { start_s, step, from: &self.state, slopes: &self.slopes, interpolant: &INTERPOLANT }
     }
 
-    /// Where that step was linearised, and the factors of its `M + h gamma D + (h gamma)^2 K`.
+    /// The linearisation of the accepted step, and the factors of its `M + h gamma D + (h gamma)^2 K`.
     pub(super) fn solved(&self) -> (&Linearisation, &[f64]) {
         (&self.linearisation, &self.matrix)
     }
 
-    /// Begins the interval from `t0` to `t1`, at the state reached.
+    /// Begins the interval from `t0` to `t1`, at the current state.
     pub fn begin(&mut self, t0: f64, t1: f64) {
         self.control.begin(t0, t1);
         self.phase = Phase::Begun;
         self.trial.copy_from_slice(&self.state);
     }
 
-    /// The time and the state of the slope that is wanted, and where to write it.
+    /// The time and the state of the requested slope, and where to write it.
     pub fn wanted(&mut self) -> (f64, &[f64], &mut [f64]) {
         let StepControl { time, step, .. } = self.control;
         match self.phase {
@@ -201,18 +201,18 @@ impl RosenbrockW {
         }
     }
 
-    /// Whether the slope that is wanted is the one where a step starts, whose mass matrix the linearisation needs.
+    /// Whether the requested slope is that at the start of a step, whose mass matrix the linearisation needs.
     #[must_use]
     pub fn is_at_start(&self) -> bool {
         self.phase == Phase::Start
     }
 
-    /// The time, the state and the size of the step at whose start the linearisation is wanted, and where to write it.
+    /// The time, the state and the step size at which the linearisation is requested, and where to write it.
     pub fn wanted_linearisation(&mut self) -> (f64, &[f64], f64, &mut Linearisation) {
         (self.control.time, &self.state, self.control.step, &mut self.linearisation)
     }
 
-    /// Goes on to what is wanted next, an accepted step, or the end of the interval.
+    /// Advances to the next request, an accepted step, or the end of the interval.
     ///
     /// # Errors
     /// [`StepTooSmall`] with the time where the step vanishes.
@@ -254,7 +254,7 @@ impl RosenbrockW {
         Next::End
     }
 
-    /// Factorises the matrix of the stages, or cuts the step until that can be done, and solves the first stage.
+    /// Factorises the matrix of the stages, cutting the step until that succeeds, and solves the first stage.
     fn begin_stages(&mut self) -> Result<Next<'_>, StepTooSmall> {
         let scaled = self.control.step * GAMMA;
         let Linearisation { mass, damping, stiffness, rate } = &self.linearisation;
@@ -262,7 +262,7 @@ impl RosenbrockW {
             *entry = m + scaled * (d + scaled * k);
         }
         if factorise(&mut self.matrix, rate.len()).is_err() {
-            // Friction that drives: small enough a step makes the mass prevail.
+            // Friction with negative damping: in a small enough step the mass dominates.
             self.control.cut(0.5)?;
             return Ok(self.ask_linearisation());
         }
@@ -271,7 +271,7 @@ impl RosenbrockW {
         Ok(self.place_stage(1))
     }
 
-    /// Leaves the state of a stage in `trial`.
+    /// Writes the state of a stage to `trial`.
     fn place_stage(&mut self, stage: usize) -> Next<'_> {
         self.move_trial(&ALPHA[stage]);
         self.ask(Phase::Stage(stage))
@@ -315,7 +315,7 @@ impl RosenbrockW {
         }
     }
 
-    /// Accepts the step of which all stages are known, or tries a shorter one.
+    /// Accepts the step once all its stages are known, or tries a shorter one.
     fn judge(&mut self) -> Result<Next<'_>, StepTooSmall> {
         self.move_trial(&B);
         let Self { control, slopes, state, trial, .. } = self;
@@ -353,7 +353,7 @@ fn product(row: &[f64], x: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// A pendulum with friction whose damping and stiffness are known to the method by the factor `known`.
+    /// A pendulum with friction; the method sees the fraction `known` of its damping and stiffness.
     struct Pendulum {
         friction: f64,
         scale: f64,
@@ -400,8 +400,8 @@ mod tests {
         a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     }
 
-    /// Order 3 with the Jacobian exact, 30 % off and left out, and without the derivative in time; the interpolant is of
-    /// second order, so that its error falls by eight a halving.
+    /// Order 3 with the Jacobian exact, 30 % off and omitted, and without the derivative in time; the interpolant is of second order, so
+    /// that its error falls by a factor of eight per halving.
     #[test]
     fn the_order_does_not_depend_on_the_jacobian() {
         for known in [1.0, 0.7, 0.0] {
@@ -435,7 +435,7 @@ mod tests {
         assert!((energy(method.state()) - energy(&start)).abs() < 1e-6);
     }
 
-    /// Friction that drives makes `M + h gamma D` indefinite: the step is cut until it is not.
+    /// Negative damping makes `M + h gamma D` indefinite: the step is cut until it is definite.
     #[test]
     fn friction_that_drives_is_integrated_with_small_steps() {
         let pendulum = Pendulum { friction: -5.0, scale: 0.01, torque: |_| 0.0, known: 1.0 };

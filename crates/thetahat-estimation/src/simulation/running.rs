@@ -1,4 +1,4 @@
-//! A simulation under way.
+//! A simulation in progress.
 
 use super::{
     closed_loop::{ClosedLoop, Job},
@@ -22,16 +22,16 @@ pub(super) struct Running<'a> {
     pub(super) sampling: Option<Sampling>,
     /// The factors of the mass matrix where the step starts, for a linearly implicit method.
     mass: Vec<f64>,
-    /// Up to where the intervals of the integrator reach.
+    /// End of the integrator's last interval.
     time: f64,
 }
 
 /// Where a simulation stops for its caller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Event {
-    /// An acceleration is wanted.
+    /// An acceleration is requested.
     Acceleration,
-    /// A step is accepted, and the outputs within are recorded.
+    /// A step is accepted, and the outputs within it are recorded.
     Step,
     /// An interval is begun, with its drive signals.
     Interval,
@@ -50,7 +50,7 @@ impl<'a> Running<'a> {
         Ok(Self { integrator, system, sampling, mass: vec![0.0; joints * joints], time: 0.0 })
     }
 
-    /// Goes on until an acceleration is wanted; false at the end.
+    /// Advances until an acceleration is requested; false at the end.
     pub(super) fn advance(&mut self) -> Result<bool, SimulationError> {
         loop {
             match self.go_on()? {
@@ -61,7 +61,7 @@ impl<'a> Running<'a> {
         }
     }
 
-    /// Goes on to the next event.
+    /// Advances to the next event.
     pub(super) fn go_on(&mut self) -> Result<Event, SimulationError> {
         loop {
             let next = self.integrator.proceed();
@@ -101,20 +101,20 @@ impl<'a> Running<'a> {
         true
     }
 
-    /// Positions, velocities and torques of the joints of which the accelerations are wanted, and the recorded channels.
+    /// Positions, velocities and torques of the joints for the requested accelerations, and the recorded channels.
     pub(super) fn wanted(&mut self) -> [&[f64]; 4] {
         let (_, x, _) = self.integrator.wanted();
         let (q, dq) = x.split_at(x.len() / 2);
         [q, dq, &self.system.plant.tau, &self.system.plant.channels]
     }
 
-    /// Where the accelerations go.
+    /// Where to write the accelerations.
     pub(super) fn accelerations_mut(&mut self) -> &mut [f64] {
         let (_, x, dx) = self.integrator.wanted();
         &mut dx[x.len() / 2..]
     }
 
-    /// Computes the accelerations that are wanted.
+    /// Computes the requested accelerations.
     pub(super) fn accelerate(&mut self) -> Result<(), SimulationError> {
         let (time_s, x, dx) = self.integrator.wanted();
         let accelerations = &mut dx[x.len() / 2..];
@@ -126,12 +126,12 @@ impl<'a> Running<'a> {
         Ok(())
     }
 
-    /// Where the factors of the mass matrix at the wanted acceleration go, if they are wanted too.
+    /// Where to write the factors of the mass matrix at the requested acceleration, if they are requested too.
     pub(super) fn mass_mut(&mut self) -> Option<&mut [f64]> {
         self.integrator.needs_mass_matrix().then_some(&mut self.mass)
     }
 
-    /// From an acceleration that is wanted to the end.
+    /// Runs from a requested acceleration to the end.
     pub(super) fn run(&mut self) -> Result<(), SimulationError> {
         self.accelerate()?;
         while self.advance()? {
@@ -150,8 +150,8 @@ impl<'a> Running<'a> {
     }
 }
 
-/// The implicit method, where it is chosen automatically, gets tolerances this many times tighter than asked for. Stability keeps
-/// the explicit method's steps below those that the tolerance allows, and its result is that much better.
+/// If the implicit method is chosen automatically, its tolerances are tighter than requested by this factor. Stability keeps the explicit
+/// method's steps below those that the tolerance allows, and its result is more accurate by as much.
 const TIGHTER: f64 = 10.0;
 
 fn integrator(job: &Job<'_>, start: Vec<f64>) -> Integrator {

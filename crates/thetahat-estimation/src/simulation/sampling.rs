@@ -1,12 +1,12 @@
 use std::collections::VecDeque;
 
-use super::system::{Loop, SAME_TIME, command};
+use super::system::{Loop, SAME_TIME};
 use crate::control::VelocityEstimate;
 
 /// A sampled controller: each drive signal acts after the delay, and is held until the next.
 pub(super) struct Sampling {
     positions: PositionHistory,
-    /// Signals on their way, and when they act.
+    /// Delayed signals, and when they act.
     waiting: VecDeque<(f64, Vec<f64>)>,
     pub(super) commanded: Vec<f64>,
     /// Samples taken.
@@ -25,7 +25,7 @@ impl Sampling {
         }
     }
 
-    /// Leaves the drive signals from `t` on in the system; until when they hold.
+    /// Sets the drive signals from `t` on in the system and returns the time until which they hold.
     pub(super) fn hold(&mut self, system: &mut Loop<'_>, t: f64, state: &[f64]) -> f64 {
         let period = system.controller.sample_time_s;
         if t >= (self.samples as f64 - SAME_TIME) * period {
@@ -42,7 +42,7 @@ impl Sampling {
         (self.samples as f64 * period).min(due)
     }
 
-    /// Number of signals on their way.
+    /// Number of delayed signals.
     pub(super) fn waiting(&self) -> usize {
         self.waiting.len()
     }
@@ -55,13 +55,15 @@ impl Sampling {
             self.positions.averaged_velocity(controller.sample_time_s, &plant.p, &mut plant.v);
         }
         self.positions.push(&plant.p);
-        let mut u = vec![0.0; self.commanded.len()];
-        command(controller, reference, plant, &mut u);
-        u
+        let sample = |i: usize| {
+            let error = reference.p[i] - plant.p[i];
+            controller.sample(i, error, plant.v[i], reference.dp[i], reference.ddp[i])
+        };
+        (0..self.commanded.len()).map(sample).collect()
     }
 }
 
-/// The motor positions at the two samples before.
+/// The motor positions at the two previous samples.
 struct PositionHistory {
     one_before: Vec<f64>,
     two_before: Vec<f64>,

@@ -1,4 +1,4 @@
-//! Simulations side by side, each in a lane of a vector, with the bits that it has alone.
+//! Simulations in the lanes of a vector, bit-identical to single ones.
 
 use pulp::{Simd, WithSimd};
 
@@ -11,8 +11,8 @@ use super::{
 use thetahat_ground::real::{Lanes, MOST_LANES};
 use thetahat_model::dynamics::{DynamicParameters, Sign, State, Workspace};
 
-/// Runs simulations as [`ClosedLoop::simulate`] does. Simulations of one model and one friction scale run side by side:
-/// right-hand sides of several cost little more than right-hand sides of one.
+/// Runs simulations as [`ClosedLoop::simulate`] does. Simulations of one model and one friction scale run together: right-hand sides of
+/// several cost little more than right-hand sides of one.
 #[must_use]
 pub fn simulate_all(jobs: &[Job<'_>]) -> Vec<Result<SimulatedMotion, SimulationError>> {
     let alike = |a: &Job<'_>, b: &Job<'_>| {
@@ -51,7 +51,7 @@ impl WithSimd for SideBySide<'_> {
                         work.scatter_mass(workspace.factored_mass_matrix());
                         true
                     }
-                    // One of them has no acceleration: each by itself.
+                    // One of them has no acceleration: each is run separately.
                     Err(_) => work.step(|running| running.accelerate().map(|()| true)),
                 };
                 all_go_on &= work.step(Running::advance);
@@ -61,7 +61,7 @@ impl WithSimd for SideBySide<'_> {
     }
 }
 
-/// The simulations that are under way, one in each lane, those that wait, and the results.
+/// The running simulations, one in each lane, the waiting ones, and the results.
 struct Work<'a> {
     jobs: &'a [Job<'a>],
     lanes: usize,
@@ -75,7 +75,7 @@ impl<'a> Work<'a> {
         Self { jobs, lanes, begun: 0, running: Vec::new(), results: jobs.iter().map(|_| None).collect() }
     }
 
-    /// Puts waiting simulations into free lanes; whether several are under way.
+    /// Puts waiting simulations into free lanes; returns whether several are running.
     fn fill(&mut self) -> bool {
         while self.running.len() < self.lanes && self.begun < self.jobs.len() {
             let number = self.begun;
@@ -95,7 +95,7 @@ impl<'a> Work<'a> {
         self.results[number] = Some(ended.and_then(|_| running.finish()));
     }
 
-    /// Takes a step in each simulation and ends those that are done or fail; whether all go on.
+    /// Advances each simulation by a step and ends those that are done or fail; returns whether all continue.
     fn step(&mut self, step: impl Fn(&mut Running<'a>) -> Result<bool, SimulationError>) -> bool {
         let before = self.running.len();
         for lane in (0..before).rev() {
@@ -110,12 +110,12 @@ impl<'a> Work<'a> {
         self.running.len() == before
     }
 
-    /// The simulation of a lane; free lanes repeat the first.
+    /// The simulation in a lane; free lanes repeat the first.
     fn of_lane(&self, lane: usize) -> &Running<'a> {
         &self.running[if lane < self.running.len() { lane } else { 0 }].1
     }
 
-    /// The states that are wanted, and the torques there.
+    /// The requested states, and the torques there.
     #[inline(always)]
     fn gather<S: Simd>(&mut self, simd: S, signals: [&mut [Lanes<S>]; 4]) {
         let mut wanted = self.running.iter_mut().map(|(_, running)| running.wanted());
@@ -139,7 +139,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// The factors of the mass matrices, to those who want them.
+    /// Distributes the factors of the mass matrices to the simulations that requested them.
     #[inline(always)]
     fn scatter_mass<S: Simd>(&mut self, mass: &[Lanes<S>]) {
         for (lane, (_, running)) in self.running.iter_mut().enumerate() {
@@ -149,7 +149,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Runs what is left one by one.
+    /// Runs the remaining simulations one by one.
     fn finish(mut self) -> Vec<Result<SimulatedMotion, SimulationError>> {
         self.lanes = 1;
         while self.begun < self.jobs.len() || !self.running.is_empty() {

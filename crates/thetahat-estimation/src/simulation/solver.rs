@@ -55,7 +55,7 @@ impl Solver {
     /// The explicit method with the default tolerances of `ode45`.
     pub const ODE45: Self = Self::Adaptive { relative_tolerance: ODE45[0], absolute_tolerance: ODE45[1] };
 
-    /// The same method with tolerances `factor` times as large; equal steps stay as they are.
+    /// The method with tolerances multiplied by `factor`; equal steps are unchanged.
     #[must_use]
     pub fn with_tolerances_times(self, factor: f64) -> Self {
         match self {
@@ -74,8 +74,8 @@ impl Solver {
 }
 
 impl Solver {
-    /// The method for a response that is fitted: the implicit one where it is chosen automatically. Stability keeps the
-    /// explicit method's steps at their limit while friction sticks, and beyond the limit its sensitivities grow.
+    /// The method for a response that is fitted: the implicit one if the choice is automatic. While friction sticks, stability keeps the
+    /// explicit method's steps at their limit, and beyond the limit its sensitivities grow.
     #[doc(hidden)]
     pub fn for_sensitivities(self) -> Self {
         match self {

@@ -1,21 +1,21 @@
-//! What every method of integration shares: tolerances, the size of steps, and the interpolant of an accepted one.
+//! Shared by all methods of integration: tolerances, step sizes, and the interpolant of an accepted step.
 
 use super::solver::WorkCounts;
 
-/// The step that the tolerance asks for is below the spacing of numbers at this time, in s.
+/// The step required by the tolerance is below the spacing of numbers at this time, in s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepTooSmall(pub f64);
 
-/// What an integration comes to next.
+/// The next request or event of an integration.
 #[derive(Debug)]
 pub enum Next<'a> {
-    /// The slope at the wanted state is to be written.
+    /// The slope at the requested state is to be written.
     Slope,
-    /// The right-hand side is to be linearised where the step starts; only [`super::RosenbrockW`] asks for it.
+    /// The right-hand side is to be linearised at the start of the step; only [`super::RosenbrockW`] requests it.
     Linearisation,
     /// A step is accepted.
     Step(StepView<'a>),
-    /// The end of the interval is reached: begin another one, or leave it.
+    /// The end of the interval is reached: begin another one, or stop.
     End,
 }
 
@@ -33,7 +33,7 @@ pub(super) enum Sizes {
     Fixed(f64),
 }
 
-/// Largest step as a part of the interval, as `ode45` has it.
+/// Largest step as a fraction of the interval, as in `ode45`.
 const LARGEST_STEP: f64 = 0.1;
 
 /// The sizes of steps from interval to interval, by the rules of MATLAB's `ode45`.
@@ -42,22 +42,22 @@ pub(super) struct StepControl {
     sizes: Sizes,
     /// One over the order of the error estimate.
     exponent: f64,
-    /// Where the step starts.
+    /// Start of the step.
     pub(super) time: f64,
     end: f64,
-    /// The step that is tried.
+    /// The size of the step that is tried.
     pub(super) step: f64,
-    /// Its size if the interval had no end.
+    /// The size without the end of the interval.
     planned: f64,
-    /// Whether it is to reach the end of the interval.
+    /// Whether the step is to reach the end of the interval.
     last: bool,
-    /// Whether its error was too large and it was cut.
+    /// Whether the step's error was too large, so that it was cut.
     failed: bool,
     next_step: Option<f64>,
     pub(super) counts: WorkCounts,
 }
 
-/// What is to be done with a step whose error is known.
+/// The decision on a step whose error is known.
 pub(super) enum Verdict {
     /// Accept it and try this size next.
     Accept(f64),
@@ -98,21 +98,22 @@ impl StepControl {
         true
     }
 
-    /// Goes to the end of the accepted step; the size to plan then: a step cut short by the end of the interval does not
-    /// hold back the next one.
+    /// Advances to the end of the accepted step and returns the next planned size: a step cut short by the end of the interval does not
+    /// limit the next one.
     pub(super) fn pass(&mut self, next: f64) -> f64 {
         let reached = self.reaches_end();
         self.time = self.step_end();
         if reached { next.max(self.planned) } else { next }
     }
 
-    /// Goes to the end of the accepted step, and plans the next for when its slope is known; false at the end of the interval.
+    /// Advances to the end of the accepted step, and plans the next one, whose first slope is not known yet; false at the end of the
+    /// interval.
     pub(super) fn pass_and_plan(&mut self, next: f64) -> bool {
         self.next_step = Some(self.pass(next));
         self.time < self.end
     }
 
-    /// Accepts the step by its error in each component and the component's size, or sets a shorter one.
+    /// Accepts the step by the error and the size of each component, or sets a shorter one.
     pub(super) fn judge(&mut self, errors: impl Iterator<Item = [f64; 2]>) -> Result<Verdict, StepTooSmall> {
         let Sizes::Adaptive { relative, absolute } = self.sizes else {
             self.counts.steps += 1;
@@ -132,7 +133,7 @@ impl StepControl {
         Ok(Verdict::Repeat)
     }
 
-    /// Cuts the step that is tried.
+    /// Cuts the current step.
     pub(super) fn cut(&mut self, factor: f64) -> Result<(), StepTooSmall> {
         self.counts.rejected += 1;
         (self.step, self.failed) = (self.step * factor, true);
@@ -144,12 +145,12 @@ impl StepControl {
         self.last && !self.failed
     }
 
-    /// Where the step ends that is tried.
+    /// The end of the current step.
     pub(super) fn step_end(&self) -> f64 {
         if self.reaches_end() { self.end } else { self.time + self.step }
     }
 
-    /// The first step of an interval, from the slope where it starts.
+    /// The first step of an interval, from the slope at its start.
     pub(super) fn first_step(&self, state: &[f64], slope: &[f64]) -> f64 {
         match (self.sizes, self.next_step) {
             (Sizes::Fixed(step), _) => step,
@@ -168,9 +169,9 @@ impl StepControl {
 /// An accepted step and its interpolant.
 #[derive(Debug)]
 pub struct StepView<'a> {
-    /// Time at its start.
+    /// Time at the start.
     pub start_s: f64,
-    /// Time at its end.
+    /// Time at the end.
     pub end_s: f64,
     pub(super) step: f64,
     pub(super) from: &'a [f64],
@@ -181,7 +182,7 @@ pub struct StepView<'a> {
 }
 
 impl StepView<'_> {
-    /// The state at a time within the step: to fourth order of Dormand-Prince, to second of a linearly implicit method.
+    /// The state at a time within the step: to fourth order for Dormand-Prince, to second for a linearly implicit method.
     pub fn at(&mut self, t: f64) -> &[f64] {
         let weights = slope_weights(self.interpolant, self.step, (t - self.start_s) / self.step);
         for (i, out) in self.out.iter_mut().enumerate() {
@@ -191,7 +192,7 @@ impl StepView<'_> {
     }
 }
 
-/// The weights of a step's slopes in the state at the fraction `s` of a step, less the state where it starts.
+/// The weights of a step's slopes in the state at the fraction `s` of a step, relative to the state at the start.
 pub(super) fn slope_weights(interpolant: &[[f64; 4]], step: f64, s: f64) -> [f64; 7] {
     let weight = |p: &[f64; 4]| step * s * (p[0] + s * (p[1] + s * (p[2] + s * p[3])));
     let mut weights = [0.0; 7];
@@ -199,10 +200,10 @@ pub(super) fn slope_weights(interpolant: &[[f64; 4]], step: f64, s: f64) -> [f64
     weights
 }
 
-/// What is known of the step that an integration has just accepted.
+/// The step that an integration has just accepted.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct AcceptedStep<'a> {
-    /// Time at its start.
+    /// Time at the start.
     pub(super) start_s: f64,
     /// Its size.
     pub(super) step: f64,

@@ -1,25 +1,24 @@
-//! Which method a simulation asks for: how fast friction stops a joint, and what that costs an explicit method.
+//! Choice of the method for a simulation: how fast friction stops a joint, and what that costs an explicit method.
 
 use super::{closed_loop::ClosedLoop, plant::interpolate};
 use thetahat_model::dynamics::{
     DampingWorkspace, DynamicParameters, Sign, State, Workspace, factorise, solve_factorised,
 };
 
-/// Points of the reference at which the stiffness is looked at.
+/// Points of the reference at which the stiffness is evaluated.
 const POINTS: usize = 25;
 /// The stiffness times the duration beyond which [`super::Solver::Automatic`] integrates implicitly. An explicit method is stable up
-/// to steps of 3.3 over the stiffness: while a joint rests for so long, it takes more than 300 000 of them, about a second's
-/// work.
+/// up to steps of 3.3 over the stiffness: for a joint that rests this long it takes more than 300 000 steps, about a second's work.
 const COSTLY: f64 = 1e6;
 
 impl ClosedLoop<'_> {
     /// The rate in 1/s at which friction stops a joint: the largest, over the joints and along the reference up to
-    /// `duration_s`, of the slope of the smooth friction at rest over the inertia that the joint has while the others are
-    /// free, `D_jj (M^-1)_jj`. Points without a positive definite mass matrix are left out.
+    /// `duration_s`, of the slope of the smooth friction at rest over the inertia of the joint with the others free, `D_jj (M^-1)_jj`.
+    /// Points without a positive definite mass matrix are left out.
     #[must_use]
     pub fn stiffness(&self, theta: &[f64], duration_s: f64) -> f64 {
         let n = self.model.coordinate_count();
-        let parameters = DynamicParameters::new(self.model, theta);
+        let parameters = DynamicParameters::sorted(self.model, theta);
         let mut workspace = Workspace::new(self.model);
         let [mut q, mut dq, mut ddq] = [(); 3].map(|()| vec![0.0; n]);
         let [mut mass, mut damping] = [(); 2].map(|()| vec![0.0; n * n]);

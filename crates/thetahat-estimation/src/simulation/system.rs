@@ -14,17 +14,16 @@ use crate::control::Controller;
 use thetahat_ground::series::Series;
 use thetahat_model::dynamics::multiply_factors;
 
-/// A joint faster than this many times the fastest reference (or 1 rad/s, whichever is more) has run away.
+/// A joint faster than this many times the fastest reference (or 1 rad/s, whichever is more) has diverged.
 const RUNAWAY: f64 = 100.0;
 /// More steps than any use of a simulation needs: an hour at 100 kHz.
 const STEP_LIMIT: f64 = 3.6e8;
-/// Adaptive steps per second of motion, on average, beyond which a loop is too stiff: ten times what chattering friction
-/// takes.
+/// Adaptive steps per second of motion, on average, beyond which a loop is too stiff: ten times the steps of chattering friction.
 const ADAPTIVE_STEPS_PER_S: f64 = 2e5;
-/// Times closer than this part of a period are the same: `k T` is not exact.
+/// Times closer than this fraction of a period count as equal: `k T` is not exact.
 pub(super) const SAME_TIME: f64 = 1e-6;
 
-/// The loop as a system of first order, and what is recorded of it.
+/// The loop as a system of first order, and its recorded outputs.
 pub(super) struct Loop<'a> {
     pub(super) setup: &'a ClosedLoop<'a>,
     pub(super) controller: Controller,
@@ -32,7 +31,7 @@ pub(super) struct Loop<'a> {
     pub(super) reference: MotorReference,
     /// Drive signals: held between samples, or from the last evaluation.
     pub(super) u: Vec<f64>,
-    /// Scratch: what a motor's position and velocity take away from its drive signal.
+    /// Scratch: negated derivatives of a motor's drive signal with respect to its position and velocity.
     slopes: [Vec<f64>; 2],
     pub(super) grid: OutputGrid,
     pub(super) next_output: usize,
@@ -75,7 +74,7 @@ impl<'a> Loop<'a> {
         if steps > STEP_LIMIT { Err(SimulationError::TooManySteps { steps, step_s }) } else { Ok(()) }
     }
 
-    /// Rest, with every motor at its reference.
+    /// The state at rest with every motor at its reference.
     pub(super) fn start(&mut self) -> Vec<f64> {
         self.reference.evaluate(0.0);
         let mut state = self.plant.joint_positions(&self.reference.p);
@@ -83,13 +82,12 @@ impl<'a> Loop<'a> {
         state
     }
 
-    /// Half a sample behind the last output.
+    /// Half a sample after the last output.
     pub(super) fn end(&self) -> f64 {
         self.grid.time(self.grid.samples) - 0.5 / self.grid.sample_rate_hz
     }
 
-    /// Writes the velocities to the slope of a state and finds the torques there; false where the slope is known
-    /// without accelerations.
+    /// Writes the velocities to the slope of a state and computes the torques there; false if the slope needs no accelerations.
     pub(super) fn prepare(&mut self, t: f64, x: &[f64], dx: &mut [f64]) -> bool {
         if !x.iter().all(|v| v.is_finite()) {
             // A trial step that is far too long: without a slope it has no error estimate, and is halved.
@@ -103,8 +101,8 @@ impl<'a> Loop<'a> {
         true
     }
 
-    /// Linearises controller, drive and friction in a state: exactly in the state, and in time by the difference over the
-    /// step. Of the rigid bodies there is the mass matrix, whose factors are `mass`.
+    /// Linearises controller, drive and friction: exactly with respect to the state, and in time by the difference over the step. The rigid
+    /// bodies enter through the mass matrix, whose factors are `mass`.
     pub(super) fn linearise(&mut self, t: f64, x: &[f64], step: f64, mass: &[f64], out: &mut Linearisation) {
         let n = self.u.len();
         multiply_factors(mass, n, &mut out.mass);
@@ -123,8 +121,7 @@ impl<'a> Loop<'a> {
         self.add_drive_slopes(&mut out.stiffness, &mut out.damping);
     }
 
-    /// Adds what a continuous controller takes away from the joint torques per joint position and velocity, n by n each, in
-    /// the state last observed.
+    /// Adds the joint stiffness and damping of a continuous controller, n by n each, in the state last observed.
     pub(super) fn add_drive_slopes(&mut self, stiffness: &mut [f64], damping: &mut [f64]) {
         let [position, velocity] = &mut self.slopes;
         slopes(&self.controller, &self.reference, &self.plant, [position, velocity]);
@@ -132,14 +129,14 @@ impl<'a> Loop<'a> {
         self.plant.add_drive_slopes(velocity, damping);
     }
 
-    /// Leaves the torques of a continuous controller in the plant, at a time and the state last observed.
+    /// Writes the torques of a continuous controller to the plant, at a time and in the state last observed.
     fn torques_at(&mut self, t: f64) {
         self.reference.evaluate(t);
         command(&self.controller, &self.reference, &self.plant, &mut self.u);
         self.plant.drive(&self.u);
     }
 
-    /// Takes note of an accepted step.
+    /// Processes an accepted step: outputs and limits.
     pub(super) fn accept(&mut self, step: &mut StepView<'_>) -> Result<(), SimulationError> {
         while self.is_due_before(step.end_s) {
             let t = self.grid.time(self.next_output);
@@ -150,13 +147,13 @@ impl<'a> Loop<'a> {
         self.check_runaway(end, step.at(end))
     }
 
-    /// Whether an output is due at a time up to and including `t`.
+    /// Whether an output is due at or before `t`.
     pub(super) fn is_due(&self, t: f64) -> bool {
         self.next_output < self.grid.samples
             && self.grid.time(self.next_output) <= t + SAME_TIME / self.grid.sample_rate_hz
     }
 
-    /// Whether an output is due before `t`, so that one at `t` itself is left to the next interval.
+    /// Whether an output is due strictly before `t`: one at `t` itself is left to the next interval.
     fn is_due_before(&self, t: f64) -> bool {
         self.is_due(t - 2.0 * SAME_TIME / self.grid.sample_rate_hz)
     }
@@ -180,7 +177,7 @@ impl<'a> Loop<'a> {
         Ok(())
     }
 
-    /// Leaves the joint torques in a state in the plant, and what a continuous controller sees there.
+    /// Writes the joint torques in a state, and the observations of a continuous controller, to the plant.
     #[inline]
     pub(super) fn apply_torques(&mut self, t: f64, x: &[f64]) {
         self.drive_continuously(t, x);
@@ -204,7 +201,7 @@ impl<'a> Loop<'a> {
         }
     }
 
-    /// Counts an adaptive step; a loop that takes too many would take hours.
+    /// Counts an adaptive step and refuses a loop that takes too many.
     fn check_stiffness(&mut self, t: f64) -> Result<(), SimulationError> {
         self.steps += 1.0;
         let adaptive = match self.setup.solver {

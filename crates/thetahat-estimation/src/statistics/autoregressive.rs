@@ -1,11 +1,11 @@
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Part of a process's first weight below which the rest is left out.
+/// Part of a process's first weight below which later weights are left out.
 const FORGOTTEN: f64 = 1e-6;
-/// Longest memory that is followed, samples.
+/// Longest memory that is considered, samples.
 const LONGEST_MEMORY: usize = 2000;
-/// Smallest `1 - sum a`: a process closer to a random walk has no long-run variance that its rows could show.
+/// Smallest `1 - sum a`: the long-run variance of a process closer to a random walk cannot be estimated from its rows.
 const SMALLEST_GAIN: f64 = 0.02;
 
 /// An autoregressive process, `e_k = sum_i a_i e_(k-i) + w_k` with white `w`.
@@ -18,11 +18,11 @@ pub struct Autoregressive {
 }
 
 impl Autoregressive {
-    /// The process of some series by the Yule-Walker equations, of the order up to `highest` with the smallest Bayesian
+    /// Estimates a process by the Yule-Walker equations, of the order up to `highest` with the smallest Bayesian
     /// information criterion `n ln v + order ln n` (G. E. P. Box, G. M. Jenkins, "Time series analysis", 1970; G. Schwarz,
     /// "Estimating the dimension of a model", 1978).
     ///
-    /// Products never cross from one segment to the next; the mean is taken as zero. The process is stable.
+    /// Products never cross from one segment to the next; the mean is assumed to be zero. The process is stable.
     #[must_use]
     pub fn fit(segments: &[&[f64]], highest: usize) -> Self {
         let rows: usize = segments.iter().map(|s| s.len()).sum();
@@ -33,14 +33,14 @@ impl Autoregressive {
         best.unwrap_or(Self { coefficients: Vec::new(), innovation_variance: 0.0 })
     }
 
-    /// The same of a given order, or of a lower one where the series is a sum of fewer waves.
+    /// The same of a given order, or of a lower one if the series is a sum of few sinusoids.
     #[must_use]
     pub fn fit_order(segments: &[&[f64]], order: usize) -> Self {
         let mut orders = levinson_durbin(&autocovariances(segments, order));
         orders.pop().unwrap_or(Self { coefficients: Vec::new(), innovation_variance: 0.0 })
     }
 
-    /// The weights with which past innovations act: `e_k = sum_i psi_i w_(k-i)`, `psi_0 = 1`.
+    /// The weights of past innovations: `e_k = sum_i psi_i w_(k-i)`, `psi_0 = 1`.
     #[must_use]
     pub fn weights(&self) -> Vec<f64> {
         let mut weights = vec![1.0];
@@ -54,7 +54,7 @@ impl Autoregressive {
         weights
     }
 
-    /// The covariance of rows `k` apart, for `k` from zero until it is forgotten.
+    /// The covariance of rows `k` apart, for `k` from zero until it vanishes.
     #[must_use]
     pub fn autocovariance(&self) -> Vec<f64> {
         let weights = self.weights();

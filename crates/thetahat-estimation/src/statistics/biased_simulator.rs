@@ -1,16 +1,16 @@
-//! Whether DIDIM's simulator agrees with the recorded loop: DIDIM against IV with the same instruments and weights.
+//! Tests whether DIDIM's simulator agrees with the recorded loop: DIDIM against IV with the same instruments and weights.
 //!
 //! | letter | word |
 //! | --- | --- |
 //! | `X`, `Z`, `y` | observation matrices of the measured and the simulated motion, and torques, whitened alike |
 //! | `Q` | orthonormal basis of Z |
-//! | `s` | `(X - Z) theta_IV`: what the measured and the simulated motion predict differently |
+//! | `s` | `(X - Z) theta_IV`: difference of the predictions of measured and simulated motion |
 //! | `d` | `theta_DIDIM - theta_IV = Z^+ s`, exactly |
 //! | `u` | `s - Z d`: the part of `s` that no parameters explain |
 //!
-//! The noise of y cancels in `d`: with one Z and one set of weights, `theta_DIDIM = Z^+ X theta_IV`. What is left is a
-//! regression of `s` on Z, so the test is whether its coefficients `d` are larger than the noise `u`, which has the
-//! autocorrelation of the modelling errors that both motions share, makes them.
+//! The noise of y cancels in `d`: with one Z and one set of weights, `theta_DIDIM = Z^+ X theta_IV`. This is a regression of `s`
+//! on Z, so the test compares its coefficients `d` with their noise. The noise `u` has the autocorrelation of the modelling
+//! errors that both motions share.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -42,26 +42,26 @@ pub struct SimulatorComparison {
     pub average_difference: f64,
     /// `(Q^T s)^T W^-1 Q^T s` with the covariance W of `Q^T u`.
     pub statistic: f64,
-    /// `|y - Z theta_DIDIM| / |y - X theta_IV|`: above one where the simulated motion explains the torques worse than the
-    /// measured one.
+    /// `|y - Z theta_DIDIM| / |y - X theta_IV|`: above one if the simulated motion explains the torques worse than the measured
+    /// one.
     pub residual_ratio: f64,
-    /// Squares of the torques `Z d` that the difference stands for, by joint.
+    /// Squares of the torques `Z d` of the difference, by joint.
     pub joint_squares: Vec<f64>,
 }
 
-/// How far one bias of the simulator explains a difference.
+/// The part of a difference that one bias of the simulator explains.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BiasFit {
     /// Change of the simulator's setting that would undo the difference.
     pub correction: f64,
-    /// Its standard deviation, with what the bias does not explain.
+    /// Its standard deviation, increased by the part that the bias does not explain.
     pub standard_deviation: f64,
     /// Part of the statistic that it explains, from 0 to 1.
     pub explained: f64,
 }
 
 impl SimulatorComparison {
-    /// Compares the two estimates of instruments Z. `None` where one of them does not exist, or X is Z.
+    /// Compares the two estimates with instruments Z. `None` if one of them does not exist, or X is Z.
     #[must_use]
     pub fn new(z: &Matrix, x: &Matrix, y: &[f64], layout: &RowLayout) -> Option<Self> {
         let q = PivotedQr::new(z).thin_q();
@@ -90,11 +90,10 @@ impl SimulatorComparison {
         })
     }
 
-    /// The statistic of each of so many records with the same Z and noise like `u`, but no bias: smallest first.
+    /// The statistics of `draws` simulated recordings with the same Z and noise like `u`, but without bias: smallest first.
     ///
-    /// Each draws `u`, estimates its `d` and its noise again, and forms the statistic with the covariance scaled joint by
-    /// joint to that noise. The same seed gives the same numbers. Draws without a statistic count as infinite, so that there are
-    /// always so many.
+    /// Each draws `u`, estimates its `d` and its noise again, and computes the statistic with the covariance scaled joint by joint
+    /// to that noise. The same seed gives the same numbers. A draw without a statistic counts as infinite.
     #[must_use]
     pub fn bootstrap(&self, draws: usize, seed: u64) -> Vec<f64> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -117,10 +116,10 @@ impl SimulatorComparison {
         sum(&self.covariances, &scales).inverse_quadratic_form(&delta)
     }
 
-    /// How far a bias explains the difference, from the change of `theta_DIDIM` per unit of the simulator's setting: the
+    /// The part of the difference that a bias explains, from the change of `theta_DIDIM` per unit of the simulator's setting: the
     /// correction c that makes `theta_DIDIM + c change` closest to `theta_IV`, by generalised least squares.
     ///
-    /// Where more is left than noise, the standard deviation grows with it (Birge ratio).
+    /// If the rest exceeds noise, the standard deviation grows with it (Birge ratio).
     #[must_use]
     pub fn explain(&self, change: &[f64]) -> Option<BiasFit> {
         let direction = self.projected.times(change);
@@ -216,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn without_bias_it_rejects_as_often_as_it_says() {
+    fn without_bias_it_rejects_at_the_nominal_rate() {
         let rejects = |seed: u64| {
             let compared = example(1.0, seed);
             let statistics = compared.bootstrap(99, 1);
@@ -231,7 +230,7 @@ mod tests {
     fn a_bias_is_found_and_measured() {
         let compared = example(1.1, 1);
         assert!(compared.statistic > 10.0 * compared.bootstrap(99, 1)[94], "{}", compared.statistic);
-        // theta of the first two columns goes with one over the simulator's factor.
+        // theta of the first two columns is proportional to one over the simulator's factor.
         let change = [-THETA[0] / 1.1 / 1.1, -THETA[1] / 1.1 / 1.1, 0.0];
         let fit = compared.explain(&change).unwrap();
         let simulated = 1.1 + fit.correction;

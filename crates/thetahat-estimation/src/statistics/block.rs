@@ -13,11 +13,11 @@ const LARGEST_BANDWIDTH: f64 = 1.0 / 3.0;
 /// The error of one joint in one recording.
 pub(super) struct Block {
     pub(super) rows: Range<usize>,
-    /// The part of each row that a mask leaves: the error of a row is that part of a stationary one.
+    /// The part of each row that a mask leaves, which multiplies its stationary error.
     shares: Option<Vec<f64>>,
-    /// `sum_t m(t) m(t + l)` of these parts m, by lag: `n - l` without a mask.
+    /// `sum_t m(t) m(t + l)` of these parts m, by lag; `n - l` without a mask.
     pub(super) pairs: Vec<f64>,
-    /// Columns of X that differ from zero here.
+    /// Columns of X that are not zero in this block.
     pub(super) acting: Vec<usize>,
     /// Parzen's window by lag.
     pub(super) window: Vec<f64>,
@@ -37,7 +37,7 @@ impl Block {
         let pairs = pairs(shares.as_deref(), residual.len(), window.len());
         let counted = sandwich.rows.counted(rows.clone()).max(1.0);
         let freedom = (counted - leverage[rows.clone()].iter().sum::<f64>()).max(1.0);
-        // Divided alike at every lag but for what a mask takes there: so the autocovariance stays that of a series.
+        // All lags have the same divisor, apart from the mask, so that the result is the autocovariance of a series.
         let left = |l: usize| pairs[l] / counted * residual.len() as f64 / (residual.len() - l) as f64;
         let covariance = (0..window.len()).map(|l| window[l] * observed[l] / (freedom * left(l))).collect();
         let acts = |i: &usize| sandwich.design.column(*i)[rows.clone()].iter().any(|x| *x != 0.0);
@@ -54,7 +54,7 @@ impl Block {
         }
     }
 
-    /// The rows in which masks leave both blocks, `sum_t m_a(t) m_b(t)`.
+    /// The number of rows that the masks leave in both blocks, `sum_t m_a(t) m_b(t)`.
     pub(super) fn counted_with(&self, other: &Self) -> f64 {
         match (&self.shares, &other.shares) {
             (Some(a), Some(b)) => a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>().max(1.0),
@@ -97,8 +97,8 @@ impl Block {
         correlation.first().zip(self.covariance.first()).map_or(0.0, |(a, g)| a * g) + 2.0 * both_ways
     }
 
-    /// Half the variance of [`Block::variance`], a quadratic form in the residual: the squares of the window times the
-    /// lagged products of a, convolved with gamma, over n.
+    /// Half the variance of [`Block::variance`], a quadratic form in the residual: the sum of squares of the window times the
+    /// lagged products of a, convolved with gamma, divided by n.
     pub(super) fn spread(&self, correlation: &[f64]) -> f64 {
         let tapered: Vec<f64> = correlation.iter().zip(&self.window).map(|(a, w)| a * w).collect();
         let lags = tapered.len();
@@ -111,8 +111,8 @@ impl Block {
     }
 }
 
-/// `sum_t m(t) m(t + l)` of the parts m that a mask leaves of rows; `n - l` without one. At least one row: where a mask leaves
-/// no pair of rows at a lag, no product is found there either.
+/// `sum_t m(t) m(t + l)` of the parts m that a mask leaves of rows; `n - l` without a mask. At least one: if a mask leaves no
+/// pair of rows at a lag, their sum of products is zero as well.
 fn pairs(shares: Option<&[f64]>, rows: usize, lags: usize) -> Vec<f64> {
     let Some(shares) = shares else { return (0..lags).map(|l| (rows - l) as f64).collect() };
     let mut pairs = vec![0.0; lags];
@@ -120,8 +120,8 @@ fn pairs(shares: Option<&[f64]>, rows: usize, lags: usize) -> Vec<f64> {
     pairs.iter().map(|p| p.max(1.0)).collect()
 }
 
-/// The bandwidth of Andrews for Parzen's window and a series that is autoregressive of the first order, but at least the
-/// square root of the rows: where white and slow errors come together, neighbours alone do not show the slow ones.
+/// Andrews' bandwidth for Parzen's window and an autoregressive series of the first order, but at least the square root of the
+/// number of rows: with white and slow errors together, the correlation of neighbours does not show the slow ones.
 fn bandwidth(residual: &[f64]) -> f64 {
     let n = residual.len() as f64;
     let mut sums = [0.0; 2];

@@ -1,18 +1,18 @@
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// A test whose statistic is chi-squared where the hypothesis holds.
+/// A test whose statistic is chi-squared under the null hypothesis.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ChiSquaredTest {
     /// The statistic.
     pub statistic: f64,
     /// Degrees of freedom.
     pub freedom: usize,
-    /// Probability of a statistic at least as large where the hypothesis holds.
+    /// Probability of a statistic at least as large under the null hypothesis.
     pub p_value: f64,
 }
 
-/// The test of a statistic; `None` without freedom, or where the statistic is not a number.
+/// The test of a statistic; `None` without degrees of freedom, or if the statistic is not a number.
 #[must_use]
 pub fn chi_squared_test(statistic: f64, freedom: usize) -> Option<ChiSquaredTest> {
     let distribution = ChiSquared::new(freedom as f64).ok()?;

@@ -1,8 +1,8 @@
-//! A covariance as a factor: to draw from it, and to measure in it.
+//! The factor of a covariance, to draw from it and to whiten with it.
 
 use thetahat_ground::linear_algebra::Matrix;
 
-/// `C = D L L^T D`: deviations on the diagonal of D, and the lower factor L of the correlations, whatever the units.
+/// `C = D L L^T D`: standard deviations on the diagonal of D, and the lower factor L of the correlations, which has no units.
 #[derive(Debug, Clone, PartialEq)]
 #[doc(hidden)]
 pub struct CovarianceFactor {
@@ -11,7 +11,7 @@ pub struct CovarianceFactor {
 }
 
 impl CovarianceFactor {
-    /// None of a covariance that is not positive definite.
+    /// `None` for a covariance that is not positive definite.
     #[doc(hidden)]
     pub fn of(covariance: &Matrix) -> Option<Self> {
         let n = covariance.rows();
@@ -24,7 +24,7 @@ impl CovarianceFactor {
         Some(Self { deviation, lower })
     }
 
-    /// `D L z`: of independent normal numbers, one with this covariance.
+    /// `D L z`: turns independent standard normal numbers into a vector with this covariance.
     #[doc(hidden)]
     pub fn coloured(&self, z: &[f64]) -> Vec<f64> {
         self.lower.times(z).iter().zip(&self.deviation).map(|(v, d)| v * d).collect()
@@ -44,7 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_draws_and_measures_in_the_covariance() {
+    fn it_draws_from_and_whitens_with_the_covariance() {
         let covariance = Matrix::from_fn(2, 2, |i, j| [[4.0, 1e-6], [1e-6, 1e-12]][i][j]);
         let factor = CovarianceFactor::of(&covariance).unwrap();
         let columns: Vec<Vec<f64>> = [[1.0, 0.0], [0.0, 1.0]].iter().map(|z| factor.coloured(z)).collect();
@@ -60,7 +60,7 @@ mod tests {
     }
 
     #[test]
-    fn a_deviation_of_zero_and_a_full_correlation_have_none() {
+    fn a_deviation_of_zero_and_a_full_correlation_have_no_factor() {
         for entries in [[[1.0, 0.0], [0.0, 0.0]], [[1.0, 2.0], [2.0, 4.0]], [[1.0, 0.0], [0.0, f64::NAN]]] {
             assert_eq!(CovarianceFactor::of(&Matrix::from_fn(2, 2, |i, j| entries[i][j])), None);
         }

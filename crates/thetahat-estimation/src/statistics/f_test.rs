@@ -10,13 +10,13 @@ pub struct FTest {
     pub numerator_freedom: usize,
     /// Degrees of freedom of the denominator, `r - p_full`.
     pub denominator_freedom: usize,
-    /// Probability of a statistic at least as large where the reduced model holds.
+    /// Probability of a statistic at least as large if the reduced model is true.
     pub p_value: f64,
 }
 
 /// The F-test from sums of squared residuals, numbers of parameters and the number of rows.
 ///
-/// It assumes independent, normal rows of equal variance. `None` where there is no freedom left to test.
+/// It assumes independent, normal rows of equal variance. `None` without degrees of freedom.
 #[must_use]
 pub fn f_test(
     reduced_squares: f64,
@@ -33,7 +33,7 @@ pub fn f_test(
     Some(FTest { statistic, numerator_freedom, denominator_freedom, p_value })
 }
 
-/// Probability that an F of these degrees of freedom, which need not be integers, is at least as large.
+/// Probability that an F variable with these degrees of freedom, which need not be integers, is at least as large.
 #[must_use]
 pub fn f_probability(statistic: f64, numerator_freedom: f64, denominator_freedom: f64) -> Option<f64> {
     Some(FisherSnedecor::new(numerator_freedom, denominator_freedom).ok()?.sf(statistic.max(0.0)))

@@ -1,5 +1,4 @@
-//! Sums of products of series with themselves and others, some samples later: the inner loops of the covariances, compiled
-//! for the widest vectors of the machine.
+//! Sums of lagged products of series: the inner loops of the covariances, compiled for the widest vectors of the machine.
 
 /// Partial sums side by side, so that they fill vectors.
 const LANES: usize = 16;
@@ -88,7 +87,7 @@ impl pulp::WithSimd for LowerHalf<'_> {
     }
 }
 
-/// `out += c a`, as far as both go.
+/// `out += c a`, up to the shorter of the two.
 #[inline(always)]
 fn add_scaled(c: f64, a: &[f64], out: &mut [f64]) {
     out.iter_mut().zip(a).for_each(|(o, a)| *o += c * a);

@@ -1,15 +1,14 @@
-//! Tests and figures that compare fits, tests of their assumptions, and covariances of estimates under weaker
-//! assumptions than the classical one.
+//! Tests that compare fits, tests of their assumptions, and covariances of estimates under weaker assumptions than the
+//! classical one.
 //!
-//! Rows stand joint by joint, in each joint recording by recording, in each recording in time order; [`RowLayout`](crate::regression::RowLayout) says
-//! where. What follows one another in time is described by [`Autoregressive`] noise, never across a joint's or a
-//! recording's border.
+//! Rows are ordered by joint, then by recording, then by time, as in [`RowLayout`](crate::regression::RowLayout).
+//! [`Autoregressive`] noise describes correlation in time, which never crosses from one joint or recording to another.
 //!
 //! ```
-//! use thetahat::statistics::{autocorrelation, t_quantile};
+//! use thetahat_estimation::statistics::{autocorrelation, t_quantile};
 //! // 95 % of a t distribution with ten degrees of freedom lie within 2.228.
 //! assert!(t_quantile(0.975, 10.0).is_some_and(|t| (t - 2.228).abs() < 1e-3));
-//! // What alternates is the opposite of itself one sample later.
+//! // An alternating series changes its sign with each sample.
 //! let alternating: Vec<f64> = (0..1000).map(|k| if k % 2 == 0 { 1.0 } else { -1.0 }).collect();
 //! assert!((autocorrelation(&[&alternating], 1)[0] + 1.0).abs() < 2e-3);
 //! ```

@@ -57,7 +57,7 @@ impl RowNoise {
         }
     }
 
-    /// Some rows of a matrix, each times the part of it that a mask leaves.
+    /// Some rows of a matrix, each times the part that a mask leaves.
     fn part_of(&self, q: &Matrix, rows: Range<usize>) -> Matrix {
         let part = q.row_range(rows.clone());
         match self.layout.shares(rows) {
@@ -66,14 +66,14 @@ impl RowNoise {
         }
     }
 
-    /// Rows after which each joint's process has forgotten how it started.
+    /// Number of rows after which each joint's process no longer depends on its start.
     #[must_use]
     pub fn memory(&self) -> Vec<usize> {
         self.joints.iter().map(|p| p.weights().len()).collect()
     }
 
-    /// For each joint, the long-run variance of another residual divided by this residual's, by processes of the same
-    /// orders; one where this residual's is zero.
+    /// For each joint, the long-run variance of another residual divided by this residual's, from processes of the same orders;
+    /// one if this residual's is zero.
     #[must_use]
     pub fn relative_long_run_variances(&self, residual: &[f64]) -> Vec<f64> {
         let segments = self.layout.runs(residual);

@@ -4,7 +4,7 @@ use super::{ChiSquaredTest, chi_squared_test};
 /// with two degrees of freedom (C. M. Jarque, A. K. Bera, "A test for normality of observations and regression
 /// residuals", 1987).
 ///
-/// It assumes independent rows. `None` where they do not vary.
+/// It assumes independent rows. `None` if they do not vary.
 #[must_use]
 pub fn jarque_bera(rows: &[f64]) -> Option<ChiSquaredTest> {
     let n = rows.len() as f64;

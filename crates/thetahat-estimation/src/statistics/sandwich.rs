@@ -2,7 +2,7 @@ use super::lagged::add_lagged_products;
 use crate::regression::RowLayout;
 use thetahat_ground::linear_algebra::Matrix;
 
-/// An estimate that is linear in its errors, as all of LS, IV and DIDIM are where their assumptions hold.
+/// An estimate that is linear in its errors, as LS, IV and DIDIM are if their assumptions hold.
 ///
 /// | letter | word | shape |
 /// | --- | --- | --- |
@@ -11,8 +11,8 @@ use thetahat_ground::linear_algebra::Matrix;
 /// | `e` | errors of the rows | r |
 /// | `rho` | residual, `y - X theta_hat = (I - X A^T) e` | r |
 ///
-/// Whatever is assumed of the errors, the covariance of the estimate is the sandwich `A^T cov(e) A`; the functions here
-/// differ in what they put between. They return the variance of each parameter.
+/// The covariance of the estimate is the sandwich `A^T cov(e) A`; the functions here differ in their assumption on `cov(e)`.
+/// They return the variance of each parameter.
 #[derive(Debug, Clone, Copy)]
 pub struct Sandwich<'a> {
     /// X, unweighted.
@@ -21,14 +21,14 @@ pub struct Sandwich<'a> {
     pub influence: &'a Matrix,
     /// rho, unweighted.
     pub residual: &'a [f64],
-    /// Which rows belong together.
+    /// Joint, recording and stretch of time of the rows.
     pub rows: &'a RowLayout,
 }
 
 impl Sandwich<'_> {
     /// Errors that are independent, with one variance for each joint and recording.
     ///
-    /// The variance of a block divides by its rows less their leverage, the sum of `x_k^T a_k`.
+    /// The variance of a block is its sum of squares divided by its rows minus their leverage, the sum of `x_k^T a_k`.
     #[must_use]
     pub fn per_joint(&self) -> Vec<f64> {
         let leverage = self.leverage();
@@ -36,7 +36,7 @@ impl Sandwich<'_> {
         for block in self.rows.blocks().iter().map(|b| b.rows.clone()) {
             let freedom = (self.rows.counted(block.clone()) - leverage[block.clone()].iter().sum::<f64>()).max(1.0);
             let error = squares(&self.residual[block.clone()]) / freedom;
-            self.each(&mut variances, |a| error * squares(&a[block.clone()]));
+            self.add_to_each(&mut variances, |a| error * squares(&a[block.clone()]));
         }
         variances
     }
@@ -49,15 +49,15 @@ impl Sandwich<'_> {
     pub fn heteroscedastic(&self) -> Vec<f64> {
         let errors = self.rescaled_residual(1.0);
         let mut variances = vec![0.0; self.influence.columns()];
-        self.each(&mut variances, |a| a.iter().zip(&errors).map(|(a, e)| (a * e).powi(2)).sum());
+        self.add_to_each(&mut variances, |a| a.iter().zip(&errors).map(|(a, e)| (a * e).powi(2)).sum());
         variances
     }
 
     /// Errors that are correlated in time and between joints in any way that fades: Newey and West, 1987, equation (5),
     /// with lags up to `4 (n / 100)^(2/9)` in recordings of n rows per joint, on residuals over `sqrt(1 - h)`.
     ///
-    /// The joints' rows of one instant form a cluster; lags do not cross recordings. It assumes the least, and pays for it
-    /// in short records: with many parameters its variances are too small (`docs/evidence/coverage.md`).
+    /// The joints' rows of one instant form a cluster; lags do not cross recordings. It assumes the least, at a price: in short
+    /// recordings with many parameters its variances are too small (`docs/evidence/coverage.md`).
     #[must_use]
     pub fn newey_west(&self) -> Vec<f64> {
         let errors = self.rescaled_residual(0.5);
@@ -65,7 +65,7 @@ impl Sandwich<'_> {
         for recording in 0..self.rows.recordings() {
             let rows = self.rows.block(0, recording).len();
             let lags = ((4.0 * (rows as f64 / 100.0).powf(2.0 / 9.0)) as usize).min(rows.saturating_sub(1));
-            self.each(&mut variances, |a| {
+            self.add_to_each(&mut variances, |a| {
                 let scores = self.scores(recording, a, &errors);
                 let mut sums = vec![0.0; lags + 1];
                 add_lagged_products(&scores, &scores, &mut sums);
@@ -76,7 +76,7 @@ impl Sandwich<'_> {
         variances
     }
 
-    /// What each instant of a recording contributes to the error of a parameter, over all joints.
+    /// The contribution of each instant of a recording to the error of a parameter, over all joints.
     fn scores(&self, recording: usize, influence: &[f64], errors: &[f64]) -> Vec<f64> {
         let mut scores = vec![0.0; self.rows.block(0, recording).len()];
         for joint in 0..self.rows.joints() {
@@ -87,8 +87,8 @@ impl Sandwich<'_> {
         scores
     }
 
-    /// Adds to the variance of each parameter what `term` makes of its column of A.
-    fn each(&self, variances: &mut [f64], term: impl Fn(&[f64]) -> f64) {
+    /// Adds `term` of its column of A to the variance of each parameter.
+    fn add_to_each(&self, variances: &mut [f64], term: impl Fn(&[f64]) -> f64) {
         variances.iter_mut().enumerate().for_each(|(i, v)| *v += term(self.influence.column(i)));
     }
 
@@ -109,7 +109,7 @@ impl Sandwich<'_> {
     }
 }
 
-/// Least of a row's error that is taken to be left in its residual: a row that alone determines a parameter has none.
+/// Smallest part of a row's error that is assumed to remain in its residual: a row that alone determines a parameter has none.
 const LARGEST_LEVERAGE_LEFT: f64 = 0.01;
 
 pub(super) fn squares(values: &[f64]) -> f64 {
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn newey_west_takes_the_joints_of_an_instant_together() {
+    fn newey_west_clusters_the_joints_of_an_instant() {
         // The second joint's errors cancel the first joint's.
         let residual: Vec<f64> = RESIDUAL.iter().copied().chain(RESIDUAL.iter().map(|r| -r)).collect();
         mean(&residual, &RowLayout::new(2, &[10]), |s| {

@@ -1,5 +1,4 @@
-//! Errors that are, in each joint and recording, a stationary series of whatever spectrum: the covariance behind the
-//! intervals.
+//! The covariance of the intervals: the errors of each joint and recording are a stationary series of any spectrum.
 
 use super::{Sandwich, block::Block, lagged::add_lagged_products, t_quantile};
 use thetahat_ground::linear_algebra::Matrix;
@@ -9,22 +8,22 @@ use thetahat_ground::linear_algebra::Matrix;
 pub struct EstimatedVariance {
     /// The variance.
     pub variance: f64,
-    /// Degrees of freedom: the number of independent rows that would give a variance as certain (Satterthwaite).
+    /// Degrees of freedom: the number of independent rows that would give a variance of the same precision (Satterthwaite).
     pub freedom: f64,
 }
 
 /// Probability below the upper end of an interval of 95 %.
 const UPPER: f64 = 0.975;
-/// Passes that undo what the fit takes out of the autocovariance of its residual; each leaves about a third of the rest
-/// or less.
+/// Passes of the correction for the fit's effect on the autocovariance of its residual; each leaves at most about a third of
+/// the rest.
 const PASSES: usize = 2;
-/// Fewest degrees of freedom: with fewer an interval says nothing.
+/// Fewest degrees of freedom: with fewer an interval is meaningless.
 const FEWEST_FREEDOM: f64 = 2.0;
 /// Standard deviations from zero at which the errors of two joints count as correlated: one pair in a thousand by chance.
 const CORRELATED: f64 = 3.29;
 
 impl EstimatedVariance {
-    /// Half the width of the 95 % confidence interval; none where the variance is not finite.
+    /// Half the width of the 95 % confidence interval; `None` if the variance is not finite.
     #[must_use]
     pub fn half_width_95(&self) -> Option<f64> {
         t_quantile(UPPER, self.freedom).map(|t| t * self.variance.sqrt()).filter(|h| h.is_finite())
@@ -35,16 +34,16 @@ impl Sandwich<'_> {
     /// For each parameter the variance that gives the wider interval: [`Sandwich::stationary`], or
     /// [`Sandwich::newey_west`] with as many degrees of freedom as there are rows.
     ///
-    /// The first follows errors as slow as the record allows, but takes them to be as large in one moment as in another;
-    /// the second takes the moments as they are, but sees few lags.
+    /// The first accounts for errors as slow as the recording allows, but assumes that their size does not depend on the motion;
+    /// the second allows any size at any time, but uses few lags.
     #[must_use]
     pub fn robust(&self) -> Vec<EstimatedVariance> {
         let freedom = self.residual.len() as f64;
-        let by_moments = self.newey_west().into_iter().map(|variance| EstimatedVariance { variance, freedom });
+        let newey_west = self.newey_west().into_iter().map(|variance| EstimatedVariance { variance, freedom });
         let wider = |(a, b): (EstimatedVariance, EstimatedVariance)| {
             if a.half_width_95() >= b.half_width_95() { a } else { b }
         };
-        self.stationary().into_iter().zip(by_moments).map(wider).collect()
+        self.stationary().into_iter().zip(newey_west).map(wider).collect()
     }
 
     /// Errors whose autocovariance `gamma(l)` is one for each joint and recording: `V = A^T Gamma A`.
@@ -53,15 +52,15 @@ impl Sandwich<'_> {
     ///    `alpha = 4 r^2 / (1 - r)^4`, r the residual's correlation of neighbouring rows (D. Andrews,
     ///    "Heteroskedasticity and autocorrelation consistent covariance matrix estimation", 1991, (2.7), (6.2), (6.4));
     ///    at least `sqrt(n)`, at most `n / 3`.
-    /// 2. A fit takes from its residual what it can explain. The autocovariance is corrected such that the expectation of
-    ///    the residual's, `E rho rho^T = (I - X A^T) Gamma (I - A X^T)`, is what was found: the small-sample correction,
-    ///    in two passes. A variance is never below the uncorrected one.
-    /// 3. Joints whose errors are measurably correlated at equal times add their cross-covariances; joints of different
-    ///    recordings never.
-    /// 4. The degrees of freedom are Satterthwaite's, `2 V^2 / var(V)`, for the quadratic form that V is, its bandwidth taken
-    ///    as given: for very slow errors up to half too many.
+    /// 2. The fit reduces its residual. The small-sample correction, in two passes, finds the autocovariance for which the
+    ///    expectation `E rho rho^T = (I - X A^T) Gamma (I - A X^T)` agrees with the residual. A variance is never below the
+    ///    uncorrected one.
+    /// 3. Joints whose errors are significantly correlated at equal times add their cross-covariances; joints of different
+    ///    recordings never do.
+    /// 4. The degrees of freedom are Satterthwaite's, `2 V^2 / var(V)`, for the quadratic form V with a given bandwidth: for very
+    ///    slow errors up to half too many.
     ///
-    /// What it does not see: errors whose size depends on the motion. [`Sandwich::newey_west`] does.
+    /// It does not account for errors whose size depends on the motion; [`Sandwich::newey_west`] does.
     #[must_use]
     pub fn stationary(&self) -> Vec<EstimatedVariance> {
         let leverage = self.leverage();
@@ -111,11 +110,11 @@ impl Sandwich<'_> {
         terms
     }
 
-    /// The tapered cross-covariance of two joints, with lag zero in the middle; none where it is not measurable.
+    /// The tapered cross-covariance of two joints, with lag zero in the middle; `None` if it is not significant.
     fn cross_covariance(&self, a: &Block, b: &Block) -> Option<CrossCovariance> {
         let (x, y) = (&self.residual[a.rows.clone()], &self.residual[b.rows.clone()]);
         let window = if a.window.len() >= b.window.len() { &a.window } else { &b.window };
-        // Rows in which a mask leaves both.
+        // Rows that the masks leave in both.
         let both = a.counted_with(b);
         let lagged = |x: &[f64], y: &[f64]| {
             let mut sums = vec![0.0; window.len()];
@@ -196,7 +195,7 @@ mod tests {
         if same_joint { GAMMA[k / ROWS].get(k.abs_diff(l)).copied().unwrap_or(0.0) } else { 0.0 }
     }
 
-    /// What the residual's lagged products are on average, by dense matrices.
+    /// The expected lagged products of the residual, by dense matrices.
     fn expected_products(x: &Matrix, a: &Matrix, errors: &Matrix, rows: std::ops::Range<usize>) -> Vec<f64> {
         let n = 2 * ROWS;
         let hat = x.times_matrix(&a.transpose());
@@ -205,7 +204,7 @@ mod tests {
         (0..3).map(|l| rows.clone().filter(|k| k + l < rows.end).map(|k| covariance.at(k, k + l)).sum()).collect()
     }
 
-    /// A third of the first joint's rows and one row of the second are left out, with half rows beside them.
+    /// A third of the first joint's rows and one row of the second are left out, and half of the rows next to them.
     fn shares() -> Vec<f64> {
         let share = |k: usize| match k {
             20..=39 | 90 => 0.0,
@@ -216,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn the_correction_recovers_the_autocovariance_from_what_the_residual_shows_on_average() {
+    fn the_correction_recovers_the_autocovariance_from_the_expected_residual() {
         recovers(None, 1e-5);
     }
 
@@ -272,7 +271,7 @@ mod tests {
         (0..LENGTH).map(|_| next()).collect()
     }
 
-    fn less_mean(errors: &[f64]) -> Vec<f64> {
+    fn minus_mean(errors: &[f64]) -> Vec<f64> {
         let mean = errors.iter().sum::<f64>() / errors.len() as f64;
         errors.iter().map(|e| e - mean).collect()
     }
@@ -281,18 +280,27 @@ mod tests {
     fn of_mean(errors: &[f64], rows: &RowLayout) -> EstimatedVariance {
         let n = errors.len();
         let (design, influence) = (Matrix::from_fn(n, 1, |_, _| 1.0), Matrix::from_fn(n, 1, |_, _| 1.0 / n as f64));
-        Sandwich { design: &design, influence: &influence, residual: &less_mean(errors), rows }.stationary()[0]
+        Sandwich { design: &design, influence: &influence, residual: &minus_mean(errors), rows }.stationary()[0]
     }
 
-    /// Mean of the variances found for many series, how unsure each says that it is, and how much they really differ, both
-    /// as degrees of freedom.
-    fn of_many(coefficient: f64) -> (f64, f64, f64) {
+    /// Results for many series.
+    struct ManySeries {
+        /// Mean of the estimated variances.
+        variance: f64,
+        /// Mean of the stated degrees of freedom.
+        stated_freedom: f64,
+        /// The degrees of freedom that correspond to the spread of the variances.
+        observed_freedom: f64,
+    }
+
+    fn of_many(coefficient: f64) -> ManySeries {
         let rows = RowLayout::new(1, &[LENGTH]);
         let found: Vec<_> = (0..600).map(|seed| of_mean(&autoregression(coefficient, seed), &rows)).collect();
         let mean = |f: &dyn Fn(&EstimatedVariance) -> f64| found.iter().map(f).sum::<f64>() / found.len() as f64;
         let variance = mean(&|v| v.variance);
         let spread = mean(&|v| (v.variance - variance).powi(2));
-        (variance, mean(&|v| v.freedom), 2.0 * variance * variance / spread)
+        let observed_freedom = 2.0 * variance * variance / spread;
+        ManySeries { variance, stated_freedom: mean(&|v| v.freedom), observed_freedom }
     }
 
     /// The part of the variance of a mean, `sum gamma(l) / n`, that the tapered autocovariance of an autoregression keeps.
@@ -306,23 +314,26 @@ mod tests {
     }
 
     #[test]
-    fn the_interval_of_a_mean_follows_how_slow_the_errors_are_and_says_how_unsure_it_is() {
+    fn the_variance_of_a_mean_accounts_for_slow_errors_and_states_its_degrees_of_freedom() {
         for r in [0.0, 0.5, 0.8] {
-            let (variance, stated, seen) = of_many(r);
+            let ManySeries { variance, stated_freedom: stated, observed_freedom: observed } = of_many(r);
             let ratio = variance * LENGTH as f64 * (1.0 - r) * (1.0 - r) / kept_by_the_window(r);
             assert!((ratio - 1.0).abs() < 0.04, "{r}: {ratio} of the variance");
-            // What is stated takes the bandwidth as given; it is chosen from the residual.
-            assert!((0.7..=1.6).contains(&(stated / seen)), "{r}: {stated} degrees of freedom, really {seen}");
+            // The stated value assumes a given bandwidth; it is chosen from the residual.
+            assert!(
+                (0.7..=1.6).contains(&(stated / observed)),
+                "{r}: {stated} degrees of freedom, observed {observed}"
+            );
         }
     }
 
     /// With equal errors in both joints, the mean over both has the variance of the mean over one: each joint adds a
-    /// quarter of it, and their covariance adds half. The fit of one mean to two joints takes `c / 2` out of each
-    /// joint's variance; the fit to one joint takes c, the sum of the window over n. The covariance of the joints is
+    /// quarter of it, and their covariance adds half. The fit of one mean to two joints reduces each
+    /// joint's variance by `c / 2`; the fit to one joint reduces it by c, the sum of the window over n. The covariance of the joints is
     /// not corrected for this.
     #[test]
-    fn joints_that_err_together_add_their_covariance() {
-        let first = less_mean(&autoregression(0.0, 1));
+    fn joints_with_equal_errors_add_their_covariance() {
+        let first = minus_mean(&autoregression(0.0, 1));
         let together = [first.clone(), first.clone()].concat();
         let apart: Vec<f64> = first.iter().copied().chain(first.iter().map(|e| -e)).collect();
         let rows = RowLayout::new(2, &[LENGTH]);
@@ -336,10 +347,9 @@ mod tests {
         assert!((apart - expected).abs() < 0.005, "never below the joints alone, uncorrected: {apart}, not {expected}");
     }
 
-    /// The errors of two joints are correlated one row apart in one direction alone: which of them comes first decides the
-    /// sum.
+    /// The errors of two joints are correlated one row apart in one direction only, so that their order decides the sum.
     #[test]
-    fn the_covariance_of_two_joints_knows_which_of_them_is_first() {
+    fn the_covariance_of_two_joints_depends_on_their_order() {
         let n = 12;
         let rows = RowLayout::new(2, &[n]);
         let influence = Matrix::from_fn(2 * n, 1, |k, _| (0.3 * k as f64).sin() + 0.1 * k as f64);

@@ -1,18 +1,18 @@
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-/// Degrees of freedom above which the quantile of Student's t is expanded about the normal quantile: the library's own
-/// quantile loses digits there (3e-6 at 1e5, 0.07 at 1e7), the expansion is exact to rounding.
+/// Degrees of freedom above which the quantile of Student's t is expanded about the normal quantile: there the quantile of statrs
+/// loses digits (3e-6 at 1e5, 0.07 at 1e7), and the expansion is exact to rounding.
 const EXPANDED: f64 = 1e4;
 
-/// The quantile of Student's t: the value that a variable with so many degrees of freedom, whole or not, stays below with
-/// `probability`.
+/// The quantile of Student's t: the value below which a variable lies with `probability`. The degrees of freedom need not be
+/// integers.
 ///
-/// `None` where the probability is not between zero and one or there is no freedom. Above 1e4 degrees of freedom by the
+/// `None` if the probability is not between zero and one, or without degrees of freedom. Above 1e4 degrees of freedom by the
 /// expansion of Cornish and Fisher to the third order in 1/freedom (M. Abramowitz, I. Stegun, "Handbook of Mathematical
 /// Functions", 26.7.5).
 ///
 /// ```
-/// use thetahat::statistics::t_quantile;
+/// use thetahat_estimation::statistics::t_quantile;
 /// let quantile = t_quantile(0.975, 1e7).unwrap_or_default();
 /// assert!((quantile - 1.959_964_221_767).abs() < 1e-12);
 /// ```
@@ -72,14 +72,14 @@ mod tests {
     }
 
     #[test]
-    fn both_ways_meet_where_they_change_over() {
+    fn both_methods_agree_at_the_switch() {
         let (below, above) =
             (t_quantile(0.975, EXPANDED).unwrap(), t_quantile(0.975, EXPANDED * (1.0 + 1e-12)).unwrap());
         assert!((below - above).abs() < 1e-11, "{below} {above}");
     }
 
     #[test]
-    fn outside_of_its_range_there_is_none() {
+    fn outside_its_range_there_is_no_quantile() {
         for (probability, freedom) in [(0.0, 5.0), (1.0, 5.0), (f64::NAN, 5.0), (0.9, 0.0), (0.9, f64::NAN)] {
             assert_eq!(t_quantile(probability, freedom), None);
         }

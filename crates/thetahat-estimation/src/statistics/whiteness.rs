@@ -1,19 +1,19 @@
 use super::{ChiSquaredTest, chi_squared_test};
 
-/// Most lags of a test, and the part of the rows that they may be.
+/// Most lags of a test, and fewest rows per lag.
 const MOST_LAGS: usize = 10;
 const ROWS_PER_LAG: usize = 5;
 
-/// The usual number of lags: ten, or a fifth of the rows where that is less (R. J. Hyndman, G. Athanasopoulos,
+/// The usual number of lags: ten, or a fifth of the rows if that is less (R. J. Hyndman, G. Athanasopoulos,
 /// "Forecasting: principles and practice", section 5.4).
 #[must_use]
 pub fn usual_lags(rows: usize) -> usize {
     MOST_LAGS.min(rows / ROWS_PER_LAG)
 }
 
-/// The autocorrelation of each lag from 1, of series without their own means.
+/// The autocorrelation at each lag from 1.
 ///
-/// Products never cross from one segment to the next; mean and variance are taken over all segments.
+/// Products never cross from one segment to the next; mean and variance are those of all segments.
 #[must_use]
 pub fn autocorrelation(segments: &[&[f64]], lags: usize) -> Vec<f64> {
     let rows: usize = segments.iter().map(|s| s.len()).sum();
@@ -27,7 +27,7 @@ pub fn autocorrelation(segments: &[&[f64]], lags: usize) -> Vec<f64> {
 /// The Ljung-Box test of white rows: `Q = n (n + 2) sum_k r_k^2 / (n - k)`, chi-squared with as many degrees of freedom as
 /// lags, summed over the segments (G. M. Ljung, G. E. P. Box, "On a measure of lack of fit in time series models", 1978).
 ///
-/// `None` where every segment is too short, or does not vary.
+/// `None` if every segment is too short, or does not vary.
 #[must_use]
 pub fn ljung_box(segments: &[&[f64]], lags: usize) -> Option<ChiSquaredTest> {
     let long: Vec<&[f64]> = segments.iter().copied().filter(|s| s.len() > lags).collect();

@@ -2,9 +2,9 @@ use super::{ChiSquaredTest, FTest, RowNoise, chi_squared_test, f_test};
 use crate::regression::RowLayout;
 use thetahat_ground::linear_algebra::{Matrix, PivotedQr, norm};
 
-/// Part of a column below which what its instruments leave of it is rounding.
+/// Part of a column below which its residual after the instruments is rounding.
 const EXOGENOUS: f64 = 1e-8;
-/// Relative size of a diagonal entry below which a direction depends on the others.
+/// Relative size of a diagonal entry below which a direction is linearly dependent.
 const DEPENDENT: f64 = 1e-8;
 
 /// The Durbin-Wu-Hausman test of LS against IV.
@@ -24,19 +24,19 @@ pub struct WuHausman {
 
 /// Tests whether the columns of X are free of noise that is also in y: whether LS and IV estimate the same.
 ///
-/// What the instruments leave of X, `V = X - Z Z^+ X`, is added to the regression of y on X; where X is exogenous, V
+/// The residual of X after the instruments, `V = X - Z Z^+ X`, is added to the regression of y on X; if X is exogenous, V
 /// explains nothing (J. Durbin, 1954; D.-M. Wu, 1973; J. A. Hausman, "Specification tests in econometrics", 1978). Columns
 /// that the instruments explain in full are left out of V. All arguments are whitened alike.
 ///
-/// `None` where LS or IV has no estimate, or nothing is left of X.
+/// `None` if LS or IV has no estimate, or V is zero.
 #[must_use]
 pub fn wu_hausman(z: &Matrix, x: &Matrix, y: &[f64], layout: &RowLayout) -> Option<WuHausman> {
     let (rows, columns) = (x.rows(), x.columns());
     let (qr_x, q_z) = (PivotedQr::new(x), PivotedQr::new(z).thin_q());
     let q_x = qr_x.thin_q();
     let residual = without(&q_x, y);
-    let left = left_by_instruments(&q_z, x)?;
-    let added = orthonormal(&without_columns(&q_x, &left));
+    let v = residual_of_instruments(&q_z, x)?;
+    let added = orthonormal(&without_columns(&q_x, &v));
     let delta = added.transpose_times(&residual);
     let (all, explained) = (norm(&residual).powi(2), norm(&delta).powi(2));
     let classical = f_test(all, columns, all - explained, columns + added.columns(), rows)?;
@@ -53,8 +53,8 @@ pub fn wu_hausman(z: &Matrix, x: &Matrix, y: &[f64], layout: &RowLayout) -> Opti
     })
 }
 
-/// `X - Q Q^T X`, where Q is the basis of the instruments, without the columns of which nothing is left, each of length one.
-fn left_by_instruments(q: &Matrix, x: &Matrix) -> Option<Matrix> {
+/// The columns of `X - Q Q^T X` that are not zero, each of length one, where Q is the basis of the instruments.
+fn residual_of_instruments(q: &Matrix, x: &Matrix) -> Option<Matrix> {
     let left = without_columns(q, x);
     let noisy: Vec<usize> =
         (0..x.columns()).filter(|&c| norm(left.column(c)) > EXOGENOUS * norm(x.column(c))).collect();
@@ -123,8 +123,14 @@ impl IvEstimate {
 pub(super) mod tests {
     use super::*;
 
+    pub(crate) struct Example {
+        pub(crate) z: Matrix,
+        pub(crate) x: Matrix,
+        pub(crate) y: Vec<f64>,
+    }
+
     /// Two regressors with noise, one without, and y with the noise of the first.
-    pub(crate) fn example() -> (Matrix, Matrix, Vec<f64>) {
+    pub(crate) fn example() -> Example {
         let k = |k: usize| k as f64;
         let clean = |i: usize, j: usize| [(0.05 * k(i)).sin(), (0.11 * k(i)).cos(), 1.0][j];
         let noise = |i: usize, j: usize| [(1.7 * k(i * i)).sin(), (1.3 * k(i * i) + 2.0).sin(), 0.0][j];
@@ -133,7 +139,7 @@ pub(super) mod tests {
         let true_part = x.times(&[2.0, -1.0, 0.5]);
         let error = |i: usize| 0.3 * noise(i, 0) + 0.4 * (2.3 * k(i * i) + 1.0).cos();
         let y = true_part.iter().enumerate().map(|(i, t)| t + error(i)).collect();
-        (z, x, y)
+        Example { z, x, y }
     }
 
     fn one_block() -> RowLayout {
@@ -143,7 +149,7 @@ pub(super) mod tests {
     /// statsmodels 0.15.0: OLS of y on X and V against OLS on X, `compare_f_test`.
     #[test]
     fn the_statistic_is_that_of_the_augmented_regression() {
-        let (z, x, y) = example();
+        let Example { z, x, y } = example();
         let test = wu_hausman(&z, &x, &y, &one_block()).unwrap();
         assert!((test.classical.statistic / 27.185_980_319_573_68 - 1.0).abs() < 1e-9, "{:?}", test.classical);
         assert!((test.classical.p_value / 3.852_402_641_479e-11 - 1.0).abs() < 1e-6, "{:?}", test.classical);
@@ -153,7 +159,7 @@ pub(super) mod tests {
 
     #[test]
     fn exact_regressors_leave_nothing_to_test() {
-        let (z, _, y) = example();
+        let Example { z, y, .. } = example();
         assert!(wu_hausman(&z, &z, &y, &one_block()).is_none());
     }
 }

@@ -1,22 +1,22 @@
-//! Where the moves of a record lie, and a first time law for each.
+//! Where the moves of a recording lie, and a first time law for each.
 
 use std::ops::Range;
 
 use super::{TimeLaw, TrajectoryError};
 use thetahat_ground::series::Series;
 
-/// A joint travels where its range is above this part of the largest range ...
+/// A joint travels if its range is above this fraction of the largest range ...
 const LEAST_TRAVEL: f64 = 1e-2;
-/// ... and above so many standard deviations of its noise: the range of noise alone stays below ten.
+/// ... and above this many standard deviations of its noise: the range of noise alone stays below ten.
 const LEAST_TRAVEL_IN_NOISE: f64 = 20.0;
-/// The robot moves while its speed is above this part of the largest speed.
+/// The robot moves while its speed is above this fraction of the largest speed.
 const MOVING: f64 = 0.05;
-/// A move's peak is above this part of the largest speed; what stays below is noise.
+/// A move's peak is above this fraction of the largest speed; anything lower is noise.
 const LEAST_PEAK: f64 = 0.25;
 /// Shortest move, and least rest kept before the first and after the last move, in s.
 const SHORTEST_S: f64 = 0.05;
 
-/// The moves of a record.
+/// The moves of a recording.
 pub(super) struct Detection {
     /// First sample of each move, and last sample of the last one: a move runs from one boundary to the next.
     pub boundaries: Vec<usize>,
@@ -24,7 +24,7 @@ pub(super) struct Detection {
     pub joint_weights: Vec<f64>,
 }
 
-/// Finds the moves where the joints have speed, counted in units of the range of each.
+/// Finds the moves by the speed of the joints, each in units of its range.
 pub(super) fn detect(position: &Series, velocity: &Series, rate: f64) -> Result<Detection, TrajectoryError> {
     let joint_weights = joint_weights(position);
     let speed: Vec<f64> = (0..velocity.len()).map(|k| weighted_norm(velocity.sample(k), &joint_weights)).collect();
@@ -47,7 +47,8 @@ fn joint_weights(position: &Series) -> Vec<f64> {
     ranges.iter().enumerate().map(|(j, &range)| if travels(j, range) { 1.0 / (range * range) } else { 0.0 }).collect()
 }
 
-/// Standard deviation of white noise by the second differences, in which motion hardly shows: their variance is 1 + 4 + 1.
+/// Standard deviation of white noise from the second differences, which hardly contain motion: their variance is 1 + 4 + 1 times the
+/// noise's.
 fn noise(x: &[f64]) -> f64 {
     let squares: f64 = x.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2)).sum();
     (squares / (6.0 * x.len() as f64)).sqrt()
@@ -81,7 +82,7 @@ fn stretches_above(values: &[f64], threshold: f64) -> Vec<Range<usize>> {
     stretches
 }
 
-/// Moves are separated where the speed between them is least; some rest is kept before the first and after the last.
+/// Moves are separated at the lowest speed between them; some rest is kept before the first and after the last.
 fn boundaries(speed: &[f64], runs: &[Range<usize>], rate: f64) -> Vec<usize> {
     let rest = |run: &Range<usize>| (run.len() / 4).max((SHORTEST_S * rate) as usize);
     let slowest = |from: usize, to: usize| (from..=to).min_by(|&a, &b| speed[a].total_cmp(&speed[b])).unwrap_or(from);
@@ -95,7 +96,7 @@ fn boundaries(speed: &[f64], runs: &[Range<usize>], rate: f64) -> Vec<usize> {
 
 /// A first time law for the move in `window`, from the times at which `ds` crosses quarters of its plateau.
 ///
-/// `ds` is the velocity seen along the displacement. The crossings at one half are T1 apart; each flank takes T2 / 2
+/// `ds` is the velocity projected on the displacement. The crossings at one half are T1 apart; each flank takes T2 / 2
 /// from one quarter to three quarters.
 pub(super) fn first_law(
     position: &Series,
@@ -122,7 +123,7 @@ fn crossings(speed: &[f64]) -> [[f64; 3]; 2] {
     [levels.map(left), levels.map(right)]
 }
 
-/// Steps until the values fall below `level`, by linear interpolation; all of them where they never do.
+/// Steps until the values fall below `level`, by linear interpolation; the number of values if they never do.
 fn steps_until_below<'a>(values: impl Iterator<Item = &'a f64>, level: f64) -> f64 {
     let mut steps = 0.0;
     let mut last = None;
@@ -174,8 +175,8 @@ mod tests {
     fn the_first_law_of_a_clean_trapezoid_is_close() {
         let law = TimeLaw { start_s: 0.1, t1_s: 0.4, t2_s: 0.2, t3_s: 0.02 };
         let at = |k: usize| law.evaluate(k as f64 / 1000.0);
-        let q = Series::from_values(1, (0..900).map(|k| 2.0 * at(k).0).collect());
-        let dq = Series::from_values(1, (0..900).map(|k| 2.0 * at(k).1).collect());
+        let q = Series::shaped(1, (0..900).map(|k| 2.0 * at(k).0).collect());
+        let dq = Series::shaped(1, (0..900).map(|k| 2.0 * at(k).1).collect());
         let found = first_law(&q, &dq, &[1.0], 0..900, 1000.0);
         assert!((found.t1_s - law.t1_s).abs() < 5e-3 && (found.t2_s - law.t2_s).abs() < 5e-3);
         assert!((found.start_s - law.start_s).abs() < 0.03);

@@ -1,8 +1,8 @@
-/// Why a trajectory cannot be built or found.
+/// Why a trajectory cannot be built or reconstructed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TrajectoryError {
-    /// Two lists speak of different numbers of joints.
+    /// Two lists have different numbers of joints.
     #[error("{what} has {found} joints, expected {expected}; give one value for each joint")]
     JointCount {
         /// The list.
@@ -12,7 +12,7 @@ pub enum TrajectoryError {
         /// Number found.
         found: usize,
     },
-    /// A number is not finite or not in its range.
+    /// A number is not finite or out of range.
     #[error("{what} is {found}, expected {expected}")]
     Value {
         /// The quantity.
@@ -34,10 +34,10 @@ pub enum TrajectoryError {
         /// T3.
         t3_s: f64,
     },
-    /// A move starts or ends before the one ahead of it does.
+    /// A move starts or ends before the previous one does.
     #[error(
         "move {number} ({start_s:.4} s to {end_s:.4} s) starts or ends before move {} does; order the moves by time, \
-         and of a reconstruction look at the record there: it is no row of point-to-point moves",
+         and in a reconstruction look at the recording there: it is not a sequence of point-to-point moves",
         number - 1
     )]
     Order {
@@ -48,7 +48,7 @@ pub enum TrajectoryError {
         /// Its end.
         end_s: f64,
     },
-    /// Position and velocity are not the same samples.
+    /// Position and velocity have different numbers of samples.
     #[error("{position} samples of position but {velocity} of velocity; derive the velocity from the position")]
     SampleCount {
         /// Samples of position.
@@ -57,7 +57,7 @@ pub enum TrajectoryError {
         velocity: usize,
     },
     /// A sample is not a number.
-    #[error("{what} of joint {joint} at sample {sample} is not finite; cut the record or mend the sample")]
+    #[error("{what} of joint {joint} at sample {sample} is not finite; cut the recording or correct the sample")]
     NotFinite {
         /// Position or velocity.
         what: &'static str,
@@ -66,19 +66,19 @@ pub enum TrajectoryError {
         /// The sample, counted from zero.
         sample: usize,
     },
-    /// A record or a move has too few samples to be fitted.
+    /// A recording or a move has too few samples to be fitted.
     #[error("{what} has {found} samples, at least {needed} are needed; record longer, or at a higher rate")]
     TooFewSamples {
-        /// The record, or which move of it.
+        /// The recording, or one of its moves.
         what: String,
         /// Samples found.
         found: usize,
         /// Samples needed.
         needed: usize,
     },
-    /// No joint moves from one point to another.
+    /// No joint moves between two points.
     #[error(
-        "no move is found: the largest range of position is {largest_range:.3e} rad or m; give a record in which the \
+        "no move is found: the largest range of position is {largest_range:.3e} rad or m; give a recording in which the \
          robot moves from rest to rest, in joint units, with a low-passed velocity"
     )]
     NoMotion {

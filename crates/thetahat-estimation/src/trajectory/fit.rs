@@ -2,7 +2,7 @@
 //!
 //! For given time laws the positions are linear in P_0 and the displacements D_k, and those are eliminated (Golub and
 //! Pereyra, 1973, in Kaufman's approximation). Four unknowns remain for each move, its start and the logarithms of
-//! T1, T2, T3. One move and many are the same problem.
+//! T1, T2, T3. One move and many moves are the same problem.
 //!
 //! | letter | word | shape |
 //! | --- | --- | --- |
@@ -26,7 +26,7 @@ use thetahat_ground::{
 /// Unknowns of a time law.
 const UNKNOWNS: usize = 4;
 const MOST_STEPS: usize = 60;
-/// The fit ends when a step gains less than this part of the cost.
+/// The fit ends when a step reduces the cost by less than this fraction.
 const LEAST_GAIN: f64 = 1e-7;
 const FIRST_DAMPING: f64 = 1e-6;
 const LEAST_DAMPING: f64 = 1e-9;
@@ -52,7 +52,7 @@ impl Samples {
         }
     }
 
-    /// The same samples with a start point P_0 that is known and not fitted; the positions count from there.
+    /// The samples with a known start point P_0, which is not fitted; the positions count from there.
     pub fn with_known_start(mut self, start: Vec<f64>) -> Self {
         for (j, p) in start.iter().enumerate() {
             self.position.column_mut(j).iter_mut().for_each(|q| *q -= p);
@@ -66,13 +66,13 @@ impl Samples {
         self.time.len()
     }
 
-    /// No time of a law may fall below two samples: the data do not tell shorter ones apart.
+    /// No time of a law may fall below two samples: the data do not distinguish shorter ones.
     fn shortest(&self) -> f64 {
         2.0 * (self.time[1] - self.time[0])
     }
 }
 
-/// Time laws with the best end points for them.
+/// Time laws with their best end points.
 pub(super) struct Fit {
     /// One law for each move.
     pub laws: Vec<TimeLaw>,
@@ -83,7 +83,7 @@ pub(super) struct Fit {
     cost: f64,
 }
 
-/// Improves `laws` until a step gains next to nothing.
+/// Improves `laws` until a step reduces the cost only negligibly.
 pub(super) fn fit(samples: &Samples, weights: &[f64], laws: Vec<TimeLaw>) -> Fit {
     let mut best = Fit::new(samples, weights, laws);
     let mut damping = FIRST_DAMPING;
@@ -153,19 +153,19 @@ impl Fit {
         self.coefficients.at(self.coefficients.rows() - self.laws.len() + k, j)
     }
 
-    /// `g` as a triangle, and the residual in its coordinates: the rows behind the basis in the triangular factor of
-    /// `[basis sensitivities positions]`.
+    /// `g` as a triangle, and the residual in its coordinates: the rows after those of the basis in the triangular factor of `[basis
+    /// sensitivities positions]`.
     fn linearise(&self, samples: &Samples, weights: &[f64]) -> Linear {
         let sensitivity = sensitivity(&samples.time, &self.laws);
         let unknowns = sensitivity.columns();
-        let r = Matrix::beside(&[&self.basis, &sensitivity, &samples.position]).triangular_factor();
+        let r = Matrix::side_by_side(&[&self.basis, &sensitivity, &samples.position]).triangular_factor();
         let first = self.basis.columns();
         let left = r.row_range(first..r.rows().min(first + unknowns));
         let columns = |from: usize, count: usize| left.select_columns(&(from..from + count).collect::<Vec<_>>());
         self.stack(&columns(first, unknowns), &columns(first + unknowns, samples.position.columns()), weights)
     }
 
-    /// The equations of all joints, one below the other, from the `g` that they share.
+    /// The equations of all joints, stacked, from their common `g`.
     fn stack(&self, g: &Matrix, residual: &Matrix, weights: &[f64]) -> Linear {
         let (rows, joints) = (g.rows(), residual.columns());
         let entry = |i: usize, c: usize| {
@@ -186,7 +186,7 @@ struct Linear {
 }
 
 impl Linear {
-    /// The step damped by `damping` times the squared norm of each column.
+    /// The step, damped by `damping` times the squared norm of each column.
     fn step(&self, damping: f64) -> Vec<f64> {
         let (rows, columns) = (self.jacobian.rows(), self.jacobian.columns());
         let diagonal: Vec<f64> =

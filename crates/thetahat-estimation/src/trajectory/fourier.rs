@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use crate::signal::Motion;
 use thetahat_ground::series::Series;
 
-/// A periodic motion in closed form, with a polynomial where it drifts:
+/// A periodic motion in closed form, plus a polynomial for a drift:
 /// `q_j(t) = sum_i p_ij s^i + sum_h a_hj cos(h w u) + b_hj sin(h w u)`, with `u = t - t_0`, `s = u / l`.
 ///
 /// (J. Swevers and others, "Optimal robot excitation and identification", IEEE Trans. Robotics and Automation 13(5), 1997.)
@@ -15,13 +15,13 @@ pub struct FourierSeries {
     centre_s: f64,
     /// `l`, s.
     half_length_s: f64,
-    /// Powers of s, from zero up to the degree.
+    /// Highest power of s.
     degree: usize,
     /// The coefficients of each term: powers, then a cosine and a sine for each harmonic; one number for each joint.
     coefficients: Vec<Vec<f64>>,
 }
 
-/// The terms of a series, which all joints share.
+/// The terms of a series, shared by all joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Terms {
     pub(super) base_frequency_hz: f64,
@@ -83,7 +83,7 @@ impl FourierSeries {
         self.base_frequency_hz
     }
 
-    /// Number of harmonics, the base frequency among them.
+    /// Number of harmonics, including the base frequency.
     #[must_use]
     pub fn harmonics(&self) -> usize {
         (self.coefficients.len() - 1 - self.degree) / 2
@@ -107,7 +107,7 @@ impl FourierSeries {
         self.add_derivatives(t, [0, 1, 2], [q, dq, ddq]);
     }
 
-    /// Adds three of the motion's derivatives, from the zeroth to the third, at time `t`.
+    /// Adds three of the motion's derivatives, of orders zero to three, at time `t`.
     pub(crate) fn add_derivatives(&self, t: f64, orders: [usize; 3], [a, b, c]: [&mut [f64]; 3]) {
         self.terms().each(t, |i, of_term| {
             for (j, coefficient) in self.coefficients[i].iter().enumerate() {
@@ -158,9 +158,9 @@ mod tests {
         };
         let h = 1e-5;
         for (order, t) in [(0, 0.3), (1, 1.1), (2, 3.7)] {
-            let (before, behind, slope) = (at(t - h, order), at(t + h, order), at(t, order + 1));
+            let (before, after, slope) = (at(t - h, order), at(t + h, order), at(t, order + 1));
             for j in 0..2 {
-                let central = (behind[j] - before[j]) / (2.0 * h);
+                let central = (after[j] - before[j]) / (2.0 * h);
                 assert!((central - slope[j]).abs() < 1e-6 * slope[j].abs().max(1.0), "{order}: {central} {}", slope[j]);
             }
         }

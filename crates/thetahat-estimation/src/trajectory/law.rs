@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// `ds = box(T1) * box(T2) * box(T3)`, the convolution of three boxes of unit area that starts at `start_s`, with
 /// `T1 >= T2 >= T3 > 0`. This is a trapezoidal velocity whose acceleration is smoothed over T3 (a smoothed bang-bang
-/// acceleration where `T1 = T2`). Where `T1 >= T2 + T3` the velocity cruises at `ds = 1 / T1`; it is never above.
+/// acceleration where `T1 = T2`). Where `T1 >= T2 + T3` the velocity cruises at `ds = 1 / T1`; it never exceeds that.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TimeLaw {
@@ -34,17 +34,17 @@ const CORNERS: [[f64; 3]; 8] = [
 #[doc(hidden)]
 pub const PHASES: usize = 7;
 
-/// A law at a part of one of its phases.
+/// A law evaluated at a fraction of one of its phases.
 #[derive(Debug, Clone, Copy)]
 #[doc(hidden)]
 pub struct InPhase {
     /// `s` and its first three derivatives by time.
     #[doc(hidden)]
     pub values: [f64; 4],
-    /// Their derivatives by T1, T2 and T3; the instant moves with its phase.
+    /// Their derivatives with respect to T1, T2 and T3; the instant moves with its phase.
     #[doc(hidden)]
     pub slopes: [[f64; 3]; 4],
-    /// Derivatives of the phase's duration by T1, T2 and T3.
+    /// Derivatives of the phase's duration with respect to T1, T2 and T3.
     #[doc(hidden)]
     pub seconds_by_width: [f64; 3],
 }
@@ -78,7 +78,7 @@ impl TimeLaw {
         (s * density / 6.0, ds * density / 2.0, dds * density)
     }
 
-    /// The third derivative of `s` at time `t`; where it jumps, that behind the jump.
+    /// The third derivative of `s` at time `t`; at a jump, its value after the jump.
     pub(super) fn jerk(&self, t: f64) -> f64 {
         let u = t - self.start_s;
         if u < 0.0 || u >= self.duration() {
@@ -89,7 +89,7 @@ impl TimeLaw {
             / self.volume()
     }
 
-    /// The derivatives of `s` at time `t` by the start and by the logarithms of T1, T2 and T3.
+    /// The derivatives of `s` at time `t` with respect to the start and the logarithms of T1, T2 and T3.
     pub(super) fn sensitivity(&self, t: f64) -> [f64; 4] {
         let u = t - self.start_s;
         if u <= 0.0 || u >= self.duration() {
@@ -106,17 +106,17 @@ impl TimeLaw {
         [-ds, by_log(self.t1_s, d1), by_log(self.t2_s, d2), by_log(self.t3_s, d3)]
     }
 
-    /// The law at a part, from 0 to 1, of one of its seven phases: jerk, acceleration, jerk, cruise, jerk, acceleration, jerk.
+    /// The law at a fraction, from 0 to 1, of one of its seven phases: jerk, acceleration, jerk, cruise, jerk, acceleration, jerk.
     ///
     /// The phases are those of `T1 >= T2 + T3`: the corners of the sum are then in the order of time, and the instant is a sum of
     /// T1, T2 and T3 with constant factors.
     #[doc(hidden)]
     pub fn in_phase(&self, phase: usize, part: f64) -> InPhase {
-        let [before, behind] = [CORNERS[phase], CORNERS[phase + 1]];
+        let [before, after] = [CORNERS[phase], CORNERS[phase + 1]];
         let widths = [self.t1_s, self.t2_s, self.t3_s];
-        let factors = [0, 1, 2].map(|i| before[i] + part * (behind[i] - before[i]));
+        let factors = [0, 1, 2].map(|i| before[i] + part * (after[i] - before[i]));
         let (mut values, mut slopes) = ([0.0; 4], [[0.0; 3]; 4]);
-        // Those behind are not reached yet, whatever rounding says of phases without duration.
+        // Later corners are not reached yet, whatever rounding says of phases without duration.
         for corner in &CORNERS[..=phase] {
             let by_width = [0, 1, 2].map(|i| factors[i] - corner[i]);
             let x: f64 = by_width.iter().zip(widths).map(|(b, w)| b * w).sum();
@@ -130,10 +130,10 @@ impl TimeLaw {
         for (slopes, value) in slopes.iter_mut().zip(values) {
             slopes.iter_mut().zip(widths).for_each(|(slope, width)| *slope -= value / width);
         }
-        InPhase { values, slopes, seconds_by_width: [0, 1, 2].map(|i| behind[i] - before[i]) }
+        InPhase { values, slopes, seconds_by_width: [0, 1, 2].map(|i| after[i] - before[i]) }
     }
 
-    /// The same law with `T1 >= T2 >= T3`: the convolution does not depend on their order.
+    /// The same law with `T1 >= T2 >= T3`: the convolution does not depend on the order of the boxes.
     pub(super) fn ordered(self) -> Self {
         let mut widths = [self.t1_s, self.t2_s, self.t3_s];
         widths.sort_by(|a, b| b.total_cmp(a));
@@ -218,8 +218,8 @@ mod tests {
                 law.in_phase(phase, part).values
             };
             for i in 0..3 {
-                for (order, (behind, before)) in moved(i, h).into_iter().zip(moved(i, -h)).enumerate() {
-                    let (central, exact) = ((behind - before) / (2.0 * h), found.slopes[order][i]);
+                for (order, (after, before)) in moved(i, h).into_iter().zip(moved(i, -h)).enumerate() {
+                    let (central, exact) = ((after - before) / (2.0 * h), found.slopes[order][i]);
                     assert!(
                         (central - exact).abs() < 1e-6 * exact.abs().max(1.0),
                         "{phase} {order} {i}: {central} {exact}"

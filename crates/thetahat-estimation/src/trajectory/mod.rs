@@ -1,8 +1,8 @@
-//! Reference trajectories: what the robot was told to do.
+//! Reference trajectories: the commanded motion of the robot.
 //!
-//! A trajectory is a row of point-to-point moves, synchronised over the joints, each with one normalised time law. It is
-//! planned from end points and limits ([`plan`]), or found again from a recorded motion ([`reconstruct`]), which gives
-//! the simulator a reference free of noise and ten numbers a move instead of a file. A motion that repeats is a
+//! A trajectory is a sequence of point-to-point moves, synchronised over the joints, each with one normalised time law. It is planned from
+//! end points and limits ([`plan`]), or reconstructed from a recorded motion ([`reconstruct`]), which gives the simulator a reference free
+//! of noise, with ten numbers per move instead of a file. A motion that repeats is a
 //! [`FourierSeries`] instead ([`find_periodic`]), which averages the noise over its periods.
 //!
 //! | letter | word | shape | unit |
@@ -17,13 +17,13 @@
 //! | `w_j` | weight of joint j in a fit | 1 | 1/rad |
 //!
 //! ```
-//! use thetahat::trajectory::{MotionLimits, plan};
+//! use thetahat_estimation::trajectory::{plan, MotionLimits};
 //! let limits = MotionLimits { max_velocity: vec![2.0], acceleration_time_s: 0.1, smoothing_time_s: 0.02, dwell_s: 0.1 };
 //! let moves = plan(vec![0.0], &[vec![1.0]], &limits, 0.0)?;
 //! let motion = moves.sample(1000.0, 1000);
 //! assert!((motion.q.sample(999)[0] - 1.0).abs() < 1e-12);
 //! assert!((motion.dq.values().iter().copied().fold(0.0, f64::max) - 2.0).abs() < 1e-12);
-//! # Ok::<(), thetahat::trajectory::TrajectoryError>(())
+//! # Ok::<(), thetahat_estimation::trajectory::TrajectoryError>(())
 //! ```
 
 mod detect;

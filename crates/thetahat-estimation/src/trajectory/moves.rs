@@ -4,11 +4,11 @@ use super::{TimeLaw, TrajectoryError};
 use crate::signal::Motion;
 use thetahat_ground::series::Series;
 
-/// One move: a time law that all joints share, and where they arrive.
+/// One move: a time law shared by all joints, and its end point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Move {
-    /// When, and how fast.
+    /// Start and duration.
     pub law: TimeLaw,
     /// The end point P_k, in rad (m for prismatic joints).
     pub end: Vec<f64>,
@@ -17,8 +17,8 @@ pub struct Move {
 /// A trajectory of point-to-point moves, synchronised over the joints.
 ///
 /// `q(t) = P_0 + sum_k (P_k - P_(k-1)) s_k(t)`, and the same sum of `ds_k` and `dds_k` for the velocity and the
-/// acceleration. Starts and ends are in the order of time; a move may start before the one ahead of it has ended, as
-/// moves of a real controller do by some milliseconds.
+/// acceleration. Starts and ends are in the order of time; a move may start before the previous one has ended, as moves of a real
+/// controller do by some milliseconds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Unchecked")]
 pub struct Moves {
@@ -26,7 +26,7 @@ pub struct Moves {
     moves: Vec<Move>,
 }
 
-/// What stands in a file, before it is checked.
+/// The content of a file, not yet checked.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Unchecked {
@@ -119,13 +119,13 @@ impl Moves {
         Motion { q, dq, ddq }
     }
 
-    /// The trajectory with each point mapped; a map that is affine gives the same motion in other coordinates.
+    /// The trajectory with each point mapped; an affine map gives the same motion in other coordinates.
     pub(crate) fn mapped(&self, point: &dyn Fn(&[f64]) -> Vec<f64>) -> Self {
         let moves = self.moves.iter().map(|m| Move { law: m.law, end: point(&m.end) }).collect();
         Self { start: point(&self.start), moves }
     }
 
-    /// The derivative of the accelerations at time `t`; where it jumps, that behind the jump.
+    /// The derivative of the accelerations at time `t`; at a jump, its value after the jump.
     #[doc(hidden)]
     pub fn jerk(&self, t: f64, dddq: &mut [f64]) {
         dddq.fill(0.0);
@@ -136,7 +136,7 @@ impl Moves {
         }
     }
 
-    /// Where move `k`, from zero, starts.
+    /// The start point of move `k`, from zero.
     fn start_of(&self, k: usize) -> &[f64] {
         if k == 0 { &self.start } else { &self.moves[k - 1].end }
     }

@@ -1,4 +1,4 @@
-//! Lags after which a motion repeats, and where it does.
+//! Lags after which a motion repeats, and the stretch in which it does.
 
 use std::ops::Range;
 
@@ -7,26 +7,26 @@ use thetahat_ground::series::Series;
 
 /// Samples per period of the cut-off: the motion ends well below it.
 const PER_CUTOFF: f64 = 2.5;
-/// Most samples: the search takes the square of their number.
+/// Most samples: the search time grows with the square of their number.
 const MOST_SAMPLES: usize = 6000;
 /// Fewest samples.
 const FEWEST_SAMPLES: usize = 40;
-/// Peak to peak, rad or m, of a joint that does not move.
+/// Peak to peak, rad or m, up to which a joint counts as still.
 const STILL: f64 = 1e-3;
-/// Mean squared difference of two stretches, relative to that of stretches which have nothing in common, below which one
-/// may repeat the other, and that which must lie between them.
+/// Mean squared difference of two stretches, relative to that of unrelated stretches, below which one may repeat the other, and the
+/// difference that must be exceeded between them.
 const ALIKE: f64 = 0.1;
 const UNLIKE: f64 = 0.3;
 /// Most lags that are tried.
 const MOST_LAGS: usize = 10;
-/// Largest difference of a sample from that one period later, relative to the joint's deviation from its mean.
+/// Largest difference between a sample and the one a period later, relative to the joint's deviation from its mean.
 const SAME: f64 = 0.1;
 
-/// A motion at fewer samples.
+/// A motion with fewer samples.
 pub(super) struct Thinned {
     /// Every joint's positions.
     pub(super) channels: Vec<Vec<f64>>,
-    /// Standard deviation of each.
+    /// Standard deviation of each joint.
     pub(super) deviations: Vec<f64>,
     /// Joints that move.
     moving: Vec<usize>,
@@ -35,7 +35,7 @@ pub(super) struct Thinned {
 }
 
 impl Thinned {
-    /// The low-passed motion in a window; none where nothing moves or there is too little of it.
+    /// The low-passed motion in a window; none if nothing moves or there is too little of it.
     pub(super) fn new(position: &Series, window: &Range<usize>, rate: f64, cutoff_hz: f64) -> Option<Self> {
         let fine = (rate / (PER_CUTOFF * cutoff_hz)) as usize;
         let stride = fine.max(window.len().div_ceil(MOST_SAMPLES)).max(1);
@@ -57,18 +57,18 @@ impl Thinned {
         self.channels.len()
     }
 
-    /// Time of a sample in the record.
+    /// Time of a sample in the recording.
     pub(super) fn time_s(&self, k: usize) -> f64 {
         self.first_s + k as f64 * self.step_s
     }
 
-    /// One over the variance of a joint; zero of one that does not move.
+    /// One over the variance of a joint; zero for a joint that does not move.
     pub(super) fn weight(&self, j: usize) -> f64 {
         if self.moving.contains(&j) { self.deviations[j].powi(-2) } else { 0.0 }
     }
 
-    /// How much the motion differs from itself some samples later, beside a drift: zero where it repeats, about one where
-    /// the two have nothing in common.
+    /// Difference between the motion and itself some samples later, without the drift: zero where it repeats, about one where the two are
+    /// unrelated.
     fn difference(&self, lag: usize) -> f64 {
         let of_joint = |&j: &usize| {
             let (early, late) = (&self.channels[j], &self.channels[j][lag..]);
@@ -88,26 +88,26 @@ fn deviation(x: &[f64]) -> f64 {
     (x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / x.len() as f64).sqrt()
 }
 
-/// The lags, in samples and the shortest first, after which the motion may repeat.
+/// The lags, in samples, shortest first, after which the motion may repeat.
 pub(super) fn candidates(motion: &Thinned) -> Vec<f64> {
     let differences: Vec<f64> = (0..=motion.samples() * 11 / 20).map(|lag| motion.difference(lag)).collect();
     let Some(unlike) = differences.iter().position(|d| *d > UNLIKE) else { return Vec::new() };
     let lowest = |k: &usize| differences[*k] < differences[k - 1] && differences[*k] <= differences[k + 1];
     let lags = (unlike + 1..differences.len().saturating_sub(1)).filter(|k| differences[*k] < ALIKE && lowest(k));
     let between = |k: usize| {
-        let [before, at, behind] = [k - 1, k, k + 1].map(|k| differences[k]);
-        let bend = before - 2.0 * at + behind;
-        k as f64 + if bend > 0.0 { 0.5 * (before - behind) / bend } else { 0.0 }
+        let [before, at, after] = [k - 1, k, k + 1].map(|k| differences[k]);
+        let bend = before - 2.0 * at + after;
+        k as f64 + if bend > 0.0 { 0.5 * (before - after) / bend } else { 0.0 }
     };
     lags.take(MOST_LAGS).map(between).collect()
 }
 
-/// The longest stretch in which every sample is that of one period before or after; none where there is none.
+/// The longest stretch in which every sample equals the one a period before or after; none if there is none.
 pub(super) fn periodic_stretch(motion: &Thinned, lag: f64) -> Option<Range<usize>> {
     let count = motion.samples().checked_sub(lag.ceil() as usize + 1)?;
     let mut same = vec![true; count];
     for &j in &motion.moving {
-        let later = delayed(&Series::from_channels(&[motion.channels[j].clone()]), &[-lag]);
+        let later = delayed(&Series::side_by_side(&[motion.channels[j].clone()]), &[-lag]);
         let differences: Vec<f64> = (0..count).map(|k| later.sample(k)[0] - motion.channels[j][k]).collect();
         let mut sorted = differences.clone();
         sorted.sort_unstable_by(f64::total_cmp);

@@ -10,36 +10,35 @@ use thetahat_ground::linear_algebra::{Matrix, PivotedQr, dot};
 
 /// Fewest periods in which a motion must repeat.
 pub const FEWEST_PERIODS: f64 = 2.0;
-/// Largest rms deviation of a joint's motion from the series, and of each period from the others, relative to that from
-/// its mean.
+/// Largest rms deviation of a joint's motion from the series, and of each period from the others, relative to the deviation from its mean.
 const LARGEST_DEVIATION: f64 = 0.02;
-/// Rms deviation, rad or m, that is always taken as small.
+/// Rms deviation, rad or m, that always counts as small.
 const SMALL: f64 = 1e-3;
-/// Part of the window in which the motion must repeat.
+/// Fraction of the window in which the motion must repeat.
 const LEAST_PART: f64 = 0.5;
-/// Harmonics reach this part of the cut-off at most: the position filter is flat below.
+/// Harmonics reach at most this fraction of the cut-off: the position filter is flat below.
 const HIGHEST: f64 = 0.6;
 /// Most harmonics.
 const MOST_HARMONICS: usize = 60;
 /// Highest degree of the polynomial.
 const HIGHEST_DEGREE: usize = 5;
-/// A degree is added where the rms deviation of a joint becomes smaller by this factor.
+/// A degree is added if it reduces the rms deviation of a joint by this factor.
 const WORTH_A_DEGREE: f64 = 0.9;
-/// Rms, relative to a joint's motion, of what harmonics may be left out although the periods agree on it: friction makes small
-/// ones up to any frequency, where the record is noise.
+/// Rms, relative to a joint's motion, of harmonics that may be omitted although the periods agree on them: friction produces small ones up
+/// to any frequency, where the recording is noise.
 const NEGLIGIBLE: f64 = 1e-3;
-/// Steps of Gauss-Newton for the base frequency at most, and the relative change at which they end.
+/// Most steps of Gauss-Newton for the base frequency, and the relative change at which they end.
 const ITERATIONS: usize = 8;
 const CONVERGED: f64 = 1e-9;
-/// Harmonics from which the base frequency is found first.
+/// Number of harmonics with which the base frequency is first determined.
 const FIRST_HARMONICS: usize = 8;
-/// Part of a period by which the last one may be incomplete.
+/// Fraction of a period by which the last one may be incomplete.
 const INCOMPLETE: f64 = 0.02;
 
-/// A periodic motion found in a record.
+/// A periodic motion found in a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Periodic {
-    /// The motion in closed form; time zero is the first sample of the record.
+    /// The motion in closed form; time zero is the first sample of the recording.
     pub series: FourierSeries,
     /// Start and end of the stretch in which the motion repeats, s.
     pub stretch_s: [f64; 2],
@@ -47,7 +46,7 @@ pub struct Periodic {
     pub periods: f64,
 }
 
-/// How a record was low-passed before its motion is searched: Butterworth, forward and backward.
+/// How a recording was low-passed before its motion is searched: Butterworth, forward and backward.
 #[derive(Debug, Clone, Copy)]
 pub struct LowPass {
     /// Samples per second.
@@ -66,14 +65,13 @@ impl LowPass {
     }
 }
 
-/// The Fourier series of a motion that repeats at least twice; none where it does not.
+/// The Fourier series of a motion that repeats at least twice; none if it does not.
 ///
-/// `position` holds the low-passed positions of the whole record, `window` the samples in which the motion is looked at.
-/// Periods are the lags after which the motion repeats; the shortest whose series describes the motion is taken. The motion
-/// must repeat in half of the window at least: before and behind may be transients. The base frequency is that of least
-/// squares. The number of harmonics is the smallest with which the other periods predict each
-/// period best, but for 0.1 % of its motion. A polynomial is added
-/// as long as a degree makes the deviation a tenth smaller. The filter's gain is divided out of every harmonic.
+/// `position` holds the low-passed positions of the whole recording, `window` the samples that are searched. Periods are the lags after
+/// which the motion repeats; the shortest period whose series describes the motion is chosen. The motion must repeat in at least half of
+/// the window: transients may come before and after. The base frequency is that of least squares. The number of harmonics is the smallest
+/// with which the other periods predict each period best, except for 0.1 % of its motion. A degree of the polynomial is added while it
+/// reduces the deviation by a tenth. The filter's gain is divided out of every harmonic.
 #[must_use]
 pub fn find_periodic(
     position: &thetahat_ground::series::Series,
@@ -89,7 +87,7 @@ struct Search<'a> {
     low_pass: LowPass,
 }
 
-/// Terms with their coefficients, and what they leave of each joint's motion.
+/// Terms with their coefficients, and the remaining deviation of each joint.
 struct Fitted {
     terms: Terms,
     coefficients: Matrix,
@@ -106,7 +104,7 @@ impl Fitted {
 }
 
 impl Search<'_> {
-    /// The series with about this period, in samples of the thinned motion; none where it does not describe the motion.
+    /// The series with approximately this period, in samples of the thinned motion; none if it does not describe the motion.
     fn periodic(&self, lag: f64) -> Option<Periodic> {
         let stretch = periodic_stretch(self.motion, lag)?;
         let periods = stretch.len() as f64 / lag;
@@ -141,7 +139,7 @@ impl Search<'_> {
         (harmonics > 0).then_some(Terms { base_frequency_hz, centre_s, half_length_s, degree: 0, harmonics })
     }
 
-    /// The degree that is worth it.
+    /// The degree of the polynomial.
     fn degree(&self, stretch: &Range<usize>, terms: Terms) -> Option<usize> {
         let mut best = self.fit(stretch, Terms { degree: 0, ..terms })?;
         for degree in 1..=HIGHEST_DEGREE {
@@ -154,7 +152,7 @@ impl Search<'_> {
         Some(best.terms.degree)
     }
 
-    /// Coefficients and base frequency by least squares: each joint weighs as much as its deviation from its mean.
+    /// Coefficients and base frequency by least squares: each joint is weighted by its deviation from its mean.
     fn with_frequency(&self, stretch: &Range<usize>, mut terms: Terms) -> Option<Fitted> {
         for _ in 0..ITERATIONS {
             let part = self.frequency_step(&self.fit(stretch, terms)?, stretch);
@@ -191,7 +189,7 @@ impl Search<'_> {
         Matrix::from_fn(rows.len(), self.motion.joints(), |k, j| self.motion.channels[j][rows.start + k])
     }
 
-    /// The relative change of the base frequency by one step of Gauss-Newton.
+    /// The relative change of the base frequency in one Gauss-Newton step.
     fn frequency_step(&self, fitted: &Fitted, stretch: &Range<usize>) -> f64 {
         let joints = self.motion.joints();
         let mut slopes = Matrix::zeros(stretch.len(), joints);
@@ -212,8 +210,8 @@ impl Search<'_> {
         if size > 0.0 { sum(&fitted.rest) / size } else { 0.0 }
     }
 
-    /// The fewest harmonics with which the periods predict one another as well as with the best number, but for 0.1 % of the
-    /// motion; none where they do not.
+    /// The fewest harmonics with which the periods predict one another as well as with the best number, except for 0.1 % of the motion;
+    /// none if they do not.
     ///
     /// The mean of the other periods' coefficients predicts those of a period: over K periods with coefficients c_k and
     /// their mean c, the squared error of a harmonic is `(K / (K - 1))^2 sum |c_k - c|^2` with it, and `sum |c_k|^2` without.
@@ -245,7 +243,7 @@ impl Search<'_> {
         self.is_small(&rms).then_some(enough)
     }
 
-    /// The coefficients of each whole period by itself, from what the polynomial leaves.
+    /// The coefficients of each whole period, from the residual of the polynomial.
     fn period_coefficients(&self, stretch: &Range<usize>, fitted: &Fitted, harmonics: usize) -> Option<Vec<Matrix>> {
         let length = 1.0 / (fitted.terms.base_frequency_hz * self.motion.step_s);
         let terms = Terms { degree: 0, harmonics, ..fitted.terms };
@@ -267,7 +265,7 @@ impl Search<'_> {
         rms.iter().zip(&self.motion.deviations).all(|(rms, d)| *rms <= (LARGEST_DEVIATION * d).max(SMALL))
     }
 
-    /// The series without what the filter took of its harmonics.
+    /// The series with the filter's gain divided out of its harmonics.
     fn series(&self, fitted: &Fitted) -> FourierSeries {
         let gain = |i: usize| match i.saturating_sub(fitted.terms.degree).div_ceil(2) {
             0 => 1.0,
@@ -296,7 +294,7 @@ mod tests {
 
     fn record(seconds: f64, of: impl Fn(f64, usize) -> f64) -> Series {
         let time = (0..(seconds * LOW_PASS.sample_rate_hz) as usize).map(|k| k as f64 / LOW_PASS.sample_rate_hz);
-        Series::from_values(2, time.flat_map(|t| [of(t, 0), of(t, 1)]).collect())
+        Series::shaped(2, time.flat_map(|t| [of(t, 0), of(t, 1)]).collect())
     }
 
     /// Noise of a standard deviation of 1, smooth below the cut-off.
@@ -330,7 +328,7 @@ mod tests {
     }
 
     #[test]
-    fn averaging_over_periods_leaves_less_noise_than_the_record_has() {
+    fn averaging_over_periods_leaves_less_noise_than_the_recording_has() {
         let found = find(&record(60.0, |t, j| wave(t, j) + 2e-3 * noise(t, j))).unwrap();
         let q = found.series.sample(LOW_PASS.sample_rate_hz, 12_000).q;
         let square = |k: usize| (q.sample(k)[0] - wave(k as f64 / LOW_PASS.sample_rate_hz, 0)).powi(2);
@@ -353,7 +351,7 @@ mod tests {
         assert_eq!(find(&record(30.0, |t, j| 0.3 * noise(t, j))), None);
         // One period and a half.
         assert_eq!(find(&record(1.5 / BASE_HZ, wave)), None);
-        // Two frequencies with no period in the record.
+        // Two frequencies with no period in the recording.
         assert_eq!(find(&record(30.0, |t, j| (t + j as f64).sin() + (t * 2_f64.sqrt()).cos())), None);
         // A sweep.
         assert_eq!(find(&record(30.0, |t, j| (0.1 * t * t + j as f64).sin())), None);

@@ -13,22 +13,22 @@ pub struct MotionLimits {
     pub dwell_s: f64,
 }
 
-/// Plans synchronised moves through `end_points`, the first starting at `start_s`, back to back but for the dwell.
+/// Plans synchronised moves through `end_points`, the first starting at `start_s`, separated by the dwell.
 ///
-/// `T1 = max_j |D_j| / max_velocity_j`, at least T2: the slowest joint runs at its limit and no joint above.
+/// `T1 = max_j |D_j| / max_velocity_j`, at least T2: the slowest joint runs at its limit and the others below theirs.
 ///
 /// ```
-/// use thetahat::trajectory::{MotionLimits, plan};
+/// use thetahat_estimation::trajectory::{plan, MotionLimits};
 /// let limits = MotionLimits { max_velocity: vec![2.0], acceleration_time_s: 0.1, smoothing_time_s: 0.02, dwell_s: 0.1 };
 /// let moves = plan(vec![0.0], &[vec![1.0], vec![0.4]], &limits, 0.5)?;
 /// let (mut q, mut dq, mut ddq) = ([0.0], [0.0], [0.0]);
 /// moves.evaluate(0.5 + 0.31, &mut q, &mut dq, &mut ddq);
 /// assert!((q[0] - 0.5).abs() < 1e-12 && (dq[0] - 2.0).abs() < 1e-12 && ddq[0].abs() < 1e-9);
-/// # Ok::<(), thetahat::trajectory::TrajectoryError>(())
+/// # Ok::<(), thetahat_estimation::trajectory::TrajectoryError>(())
 /// ```
 ///
 /// # Errors
-/// Where a point or the limits have another number of joints than `start`, or a limit is not in its range.
+/// If a point or the limits have another number of joints than `start`, or a limit is out of range.
 pub fn plan(
     start: Vec<f64>,
     end_points: &[Vec<f64>],

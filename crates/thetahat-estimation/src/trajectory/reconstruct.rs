@@ -5,22 +5,22 @@ use super::{
 };
 use thetahat_ground::series::Series;
 
-/// The fit takes every n-th sample, n such that about this rate remains: more samples of the same move add time, not
-/// knowledge. They are not filtered first, for a filter would round what is to be found.
+/// The fit uses every n-th sample, with n such that about this rate remains: more samples of the same move take time and add no
+/// information. They are not filtered first, because a filter would distort the reference.
 const FIT_RATE_HZ: f64 = 1000.0;
-/// Least samples to fit in a move: six times as many as the unknowns of its time law, less is guessing.
+/// Fewest samples to fit in a move: six times the number of unknowns of its time law.
 const LEAST_SAMPLES: usize = 24;
-/// Least samples of rest from which the start point is taken; with fewer it is fitted.
+/// Fewest samples of rest that give the start point; with fewer it is fitted.
 const LEAST_REST_SAMPLES: usize = 10;
-/// No joint's weight is more than this many times the smallest.
+/// Largest ratio of a joint's weight to the smallest.
 const LARGEST_WEIGHT: f64 = 1e3;
 
-/// The reference found in a record.
+/// The reference found in a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reconstruction {
     /// The trajectory.
     pub moves: Moves,
-    /// Root mean square of position less reference of each joint, from the first move's start to the last one's end.
+    /// Root mean square of position minus reference of each joint, from the first move's start to the last one's end.
     pub rms_deviation: Vec<f64>,
     /// Largest absolute deviation of each joint over the same time.
     pub largest_deviation: Vec<f64>,
@@ -29,14 +29,14 @@ pub struct Reconstruction {
 /// Finds the noise-free reference of a recorded motion made of synchronised point-to-point moves.
 ///
 /// `position` holds the joint positions as recorded; `velocity` is its central difference, low-passed with zero phase,
-/// and serves to find the moves and their first time laws only. Time zero is the first sample.
+/// and is used only to find the moves and their first time laws. Time zero is the first sample.
 ///
-/// The moves are the stretches between which the robot (nearly) stands still. Each is fitted by itself; then all time
+/// The moves are the stretches between which the robot (nearly) stands still. Each is fitted separately; then all time
 /// laws and end points are refined together, once with equal weights and once with each joint weighted by one over its
-/// deviation. The result is the reference as the joints followed it: a constant lag of the control is in the starts.
+/// deviation. The result is the reference as the joints followed it: a constant lag of the control is included in the starts.
 ///
 /// # Errors
-/// Where the two series do not belong together, a sample is not finite, no move is found, or one is too short to fit.
+/// If the two series do not belong together, a sample is not finite, no move is found, or one is too short to fit.
 pub fn reconstruct(
     position: &Series,
     velocity: &Series,
@@ -51,7 +51,7 @@ pub fn reconstruct(
     record.refine(&detection, &weights(&equal.rms_deviation), laws)
 }
 
-/// A record and what is found in it.
+/// A recording, its sample rate and fit settings.
 struct Record<'a> {
     position: &'a Series,
     velocity: &'a Series,
@@ -59,13 +59,13 @@ struct Record<'a> {
 }
 
 impl Record<'_> {
-    /// The time law of each move by itself.
+    /// The time law of each move, fitted separately.
     fn fit_each_move(&self, detection: &Detection) -> Result<Vec<TimeLaw>, TrajectoryError> {
         let equal = vec![1.0; self.position.channels()];
         let mut laws = Vec::new();
         for (k, bounds) in detection.boundaries.windows(2).enumerate() {
             let samples = self.samples(bounds[0], bounds[1]);
-            enough(format!("move {} of the record, at the rate of the fit,", k + 1), samples.len())?;
+            enough(format!("move {} of the recording, at the rate of the fit,", k + 1), samples.len())?;
             let window = bounds[0]..bounds[1] + 1;
             let first = first_law(self.position, self.velocity, &detection.joint_weights, window, self.rate);
             laws.extend(fit(&samples, &equal, vec![first]).laws);
@@ -88,8 +88,8 @@ impl Record<'_> {
         Ok(self.compare(moves(&fit(&samples, weights, laws))?))
     }
 
-    /// The mean position from sample `first` to `time_s`, where the record has a rest before the first move. A fitted
-    /// start would absorb a part of the lag with which the joints follow that move.
+    /// The mean position from sample `first` to `time_s`, if the recording has a rest before the first move. A fitted start would absorb a
+    /// part of the lag with which the joints follow that move.
     fn rest(&self, first: usize, time_s: f64) -> Option<Vec<f64>> {
         let rest = first..(time_s * self.rate) as usize;
         let mean = |j: usize| rest.clone().map(|k| self.position.sample(k)[j]).sum::<f64>() / rest.len() as f64;
@@ -101,7 +101,7 @@ impl Record<'_> {
         Samples::new(self.position, first..last + 1, stride, self.rate)
     }
 
-    /// The deviations of the record from `moves`.
+    /// The deviations of the recording from `moves`.
     fn compare(&self, moves: Moves) -> Reconstruction {
         let joints = moves.joints();
         let last = ((moves.end_s() * self.rate) as usize).min(self.position.len() - 1);
@@ -126,7 +126,7 @@ fn moves(found: &Fit) -> Result<Moves, TrajectoryError> {
     Moves::new(found.start.clone(), found.laws.iter().zip(ends).map(|(&law, end)| Move { law, end }).collect())
 }
 
-/// One over the deviation of each joint, within bounds: a joint that stands still or fits exactly must not rule.
+/// One over the deviation of each joint, within bounds: a joint that stands still or fits exactly must not dominate.
 fn weights(rms: &[f64]) -> Vec<f64> {
     let largest = rms.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     rms.iter().map(|r| largest / r.max(largest / LARGEST_WEIGHT)).collect()
@@ -144,7 +144,7 @@ fn check(position: &Series, velocity: &Series, rate: f64) -> Result<(), Trajecto
         let what = "the sample rate in Hz".to_owned();
         return Err(TrajectoryError::Value { what, expected: "a finite number above zero", found: rate });
     }
-    enough("the record".to_owned(), position.len())?;
+    enough("the recording".to_owned(), position.len())?;
     check_finite("position", position)?;
     check_finite("velocity", velocity)
 }
@@ -218,7 +218,7 @@ mod tests {
             let last = x.len() - 1;
             (0..x.len()).map(|k| (x[(k + 1).min(last)] - x[k.saturating_sub(1)]) * RATE_HZ / 2.0).collect()
         };
-        Series::from_channels(&(0..position.channels()).map(channel).collect::<Vec<_>>())
+        Series::side_by_side(&(0..position.channels()).map(channel).collect::<Vec<_>>())
     }
 
     /// Asserts that `found` is `truth`, `delay` seconds earlier.
@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn known_moves_are_found_again_from_a_noisy_record() {
+    fn known_moves_are_found_again_from_a_noisy_recording() {
         let truth = truth();
         let q = noisy(&truth, 18_000);
         let found = reconstruct(&q, &velocity(&q), RATE_HZ).unwrap();
@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_too_coarse_for_its_moves_is_refused() {
+    fn a_recording_too_coarse_for_its_moves_is_refused() {
         let Motion { q, dq, .. } = truth().sample(30.0, 110);
         assert!(matches!(reconstruct(&q, &dq, 30.0), Err(TrajectoryError::TooFewSamples { .. })));
     }

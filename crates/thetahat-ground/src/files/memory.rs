@@ -1,4 +1,4 @@
-//! Files in memory, in one folder and those below it: paths are relative to it, and there are no links.
+//! Files in memory, in one folder and its subfolders: paths are relative to it, and there are no links.
 
 use std::{
     collections::BTreeMap,
@@ -22,7 +22,7 @@ impl AsRef<[u8]> for Content {
 /// A file opened for reading.
 pub type File = Cursor<Content>;
 
-/// Puts a file into memory, in the place of one of the same path.
+/// Puts a file into memory; it replaces one of the same path.
 pub fn put(path: &Path, bytes: Vec<u8>) {
     files().insert(resolved(path), Content(Arc::new(bytes)));
 }
@@ -64,7 +64,7 @@ pub fn length(path: &Path) -> io::Result<u64> {
     content(path).map(|content| content.0.len() as u64)
 }
 
-/// The path, without `.` and `..`, of a file or folder that is there.
+/// The path of an existing file or folder, without `.` and `..`.
 pub fn real(path: &Path) -> io::Result<PathBuf> {
     if exists(path) { Ok(resolved(path)) } else { Err(not_found()) }
 }
@@ -87,7 +87,7 @@ fn is_folder(resolved: &Path) -> bool {
     resolved.as_os_str().is_empty() || files().keys().any(|file| file != resolved && file.starts_with(resolved))
 }
 
-/// A path from the outermost folder, which is its own parent, as the root of a system is.
+/// Resolves a path from the outermost folder, which is its own parent like the root of a file system.
 fn resolved(path: &Path) -> PathBuf {
     let mut resolved = PathBuf::new();
     for component in path.components() {

@@ -1,5 +1,4 @@
-//! The files that the library reads: those of the system, or in a browser's page, which has none, those that the page has put
-//! into memory.
+//! The files that the library reads: those of the file system, or, in a browser's page, those that the page has put into memory.
 //!
 //! No other file of the library reads by `std::fs` (`tests/architecture`).
 

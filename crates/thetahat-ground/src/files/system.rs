@@ -26,7 +26,7 @@ pub fn length(path: &Path) -> io::Result<u64> {
     Err(io::Error::new(io::ErrorKind::InvalidInput, "it is a folder or a device"))
 }
 
-/// The absolute path of a file or folder that is there, links followed.
+/// The absolute path of an existing file or folder, links followed.
 pub fn real(path: &Path) -> io::Result<PathBuf> {
     path.canonicalize()
 }

@@ -6,7 +6,9 @@ use super::Real;
 /// derivatives of what it computes.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Dual<T = f64> {
+    /// The value.
     pub value: T,
+    /// Its derivative.
     pub derivative: T,
 }
 
@@ -54,7 +56,7 @@ impl<T: Real> Real for Dual<T> {
         self.value.is_positive()
     }
 
-    /// Of a function whose derivative is not known here: as if it were constant.
+    /// A function whose derivative is not known here is treated as constant.
     #[inline(always)]
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
         Self::constant(self.value.map(f))

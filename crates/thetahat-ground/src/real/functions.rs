@@ -1,4 +1,4 @@
-//! Functions of torque terms, lane by lane by those of the standard library, with exact first derivatives.
+//! Functions of torque terms: the standard library's in each lane, with exact first derivatives.
 
 use super::number::Real;
 
@@ -7,7 +7,7 @@ pub fn lifted<T: Real>(x: T, f: impl Fn(f64) -> f64, slope: impl Fn(f64) -> f64)
     if !T::HAS_DERIVATIVE {
         return x.map(f);
     }
-    // The deviation from x is zero with the derivative of x, and so adds nothing but the derivative.
+    // `x - value(x)` is zero and has the derivative of x, so that only the derivative is added.
     x.map(f) + x.map(slope) * (x - x.map(|value| value))
 }
 
@@ -21,7 +21,7 @@ pub fn square_root<T: Real>(x: T) -> T {
     lifted(x, f64::sqrt, |value| 0.5 / value.sqrt())
 }
 
-/// `x^exponent` of what is not below zero. The derivative at zero is taken as zero.
+/// `x^exponent` for x of at least zero. The derivative at zero is set to zero.
 pub fn power<T: Real>(x: T, exponent: f64) -> T {
     let slope = |value: f64| if value == 0.0 { 0.0 } else { exponent * value.powf(exponent - 1.0) };
     lifted(x, |value| value.powf(exponent), slope)
@@ -32,10 +32,10 @@ pub fn absolute<T: Real>(x: T) -> T {
     x.select_less(x.like(0.0), -x, x)
 }
 
-/// Step of the central differences of [`function_of`], relative to a value, and absolute below one.
+/// Step of the central differences of [`function_of`]: relative to the value, and absolute below one.
 const STEP: f64 = 1e-6;
 
-/// A function of several numbers, at least one. Its derivatives are central differences.
+/// A function of at least one number. Its derivatives are central differences.
 pub fn function_of<T: Real>(values: &[T], f: impl Fn(&[f64]) -> f64) -> T {
     let kind = values[0];
     let mut result = kind.of_values(values, &f);

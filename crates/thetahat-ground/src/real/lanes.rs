@@ -7,19 +7,19 @@ use super::{
     sin_cos::sin_cos,
 };
 
-/// Numbers of several states side by side, as many as a vector of this machine holds. Everything that works on them must be
-/// inlined into the function that `pulp` compiles for the machine's instructions.
+/// Several states, one in each lane of a vector of this machine. All functions that work on them must be inlined into the function that
+/// `pulp` compiles for the machine's instructions.
 #[derive(Debug, Clone, Copy)]
 pub struct Lanes<S: Simd> {
     simd: S,
     values: S::f64s,
 }
 
-/// At least the lanes of any machine.
+/// Upper bound of the number of lanes on any machine.
 pub const MOST_LANES: usize = 8;
 
 impl<S: Simd> Lanes<S> {
-    /// States side by side.
+    /// The number of lanes.
     pub const COUNT: usize = S::F64_LANES;
 
     /// One number in every lane.
@@ -41,7 +41,7 @@ impl<S: Simd> Lanes<S> {
         }
     }
 
-    /// Writes the lanes to as many numbers.
+    /// Writes the lanes to a slice of the same length.
     #[inline(always)]
     pub fn store(self, to: &mut [f64]) {
         if let [first, ..] = S::as_mut_simd_f64s(to).0 {
@@ -49,7 +49,7 @@ impl<S: Simd> Lanes<S> {
         }
     }
 
-    /// The lanes, and zeros behind them.
+    /// The lanes, followed by zeros.
     #[inline(always)]
     pub fn to_array(self) -> [f64; MOST_LANES] {
         let mut array = [0.0; MOST_LANES];

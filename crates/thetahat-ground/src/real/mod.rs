@@ -1,5 +1,5 @@
-//! The numbers that the kernels are written for: one state ([`f64`]), or several states side by side in the lanes of a
-//! vector ([`Lanes`]), with the same operations in the same order: both give the same bits. [`Dual`] numbers carry a derivative.
+//! The number types of the kernels: one state ([`f64`]), or several states in the lanes of a vector ([`Lanes`]), with the same operations
+//! in the same order, so that both give the same bits. [`Dual`] numbers carry a derivative.
 
 mod dual;
 mod functions;

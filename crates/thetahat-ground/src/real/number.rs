@@ -3,7 +3,7 @@ use std::{
     ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign},
 };
 
-/// A number of the kernels.
+/// A number type of the kernels.
 pub trait Real:
     Copy
     + Debug
@@ -19,13 +19,13 @@ pub trait Real:
     /// Whether the number carries a derivative.
     const HAS_DERIVATIVE: bool;
 
-    /// A constant, in every lane, of the kind of `self`.
+    /// A constant, in every lane, of the type of `self`.
     fn like(self, value: f64) -> Self;
 
-    /// In each lane `then` where `self < bound`, else `otherwise`.
+    /// In each lane `then` where `self < bound`, otherwise `otherwise`.
     fn select_less(self, bound: Self, then: Self, otherwise: Self) -> Self;
 
-    /// The largest magnitude of a lane.
+    /// The largest magnitude over the lanes.
     fn largest(self) -> f64;
 
     /// Whether every lane is above zero; NaN is not.
@@ -34,16 +34,16 @@ pub trait Real:
     /// A function of each lane.
     fn map(self, f: impl Fn(f64) -> f64) -> Self;
 
-    /// In each lane a function of that lane of several numbers, as if it were constant.
+    /// Applies to each lane a function of that lane of several numbers; the derivative is zero.
     fn of_values(self, values: &[Self], f: impl Fn(&[f64]) -> f64) -> Self;
 
     /// Sine and cosine.
     fn sin_cos(self) -> (Self, Self);
 }
 
-/// A parameter of the kernels: one for the states of all lanes, or one for each.
+/// A parameter of the kernels: one value for all lanes, or one for each.
 pub trait Parameter<T>: Copy + Debug {
-    /// It in every lane, of the kind of `kind`.
+    /// The value in every lane, of the type of `kind`.
     fn in_lanes(self, kind: T) -> T;
 }
 

@@ -4,9 +4,9 @@ use super::{number::Real, tanh::polynomial};
 
 /// `pi / 2` as a sum: the first two parts have 33 bits, so that their products with numbers below 2^20 are exact.
 const HALF_PI: [f64; 3] = [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21];
-/// Beyond these angles, in rad, the reduction would lose digits.
+/// Largest angle, in rad, at which the reduction keeps its digits.
 const LARGEST_ANGLE: f64 = 1e6;
-/// Adding and subtracting it rounds to an integer: `1.5 * 2^52`.
+/// Adding and subtracting this number rounds to an integer: `1.5 * 2^52`.
 const ROUNDING: f64 = 6_755_399_441_055_744.0;
 /// Taylor coefficients of `sin x / x` from `x^2`, and of `cos x` from `x^4`, up to where the next is below rounding at
 /// `pi / 4`.
@@ -30,11 +30,11 @@ const COSINE: [f64; 7] = [
     1.0 / 20_922_789_888_000.0,
 ];
 
-/// Sine and cosine, within two units in the last place of std's; bit-identical in every lane and on every machine up to
-/// angles of a million.
+/// Sine and cosine, within two units in the last place of std's; bit-identical in every lane and on every machine up to angles of a million
+/// rad.
 ///
 /// The angle is reduced to `r + e`, `|r| <= pi / 4`, by the method of Cody and Waite (*Software Manual for the Elementary
-/// Functions*, 1980); series in `r`, corrected for `e`, give both functions, and the quadrant says which is which.
+/// Functions*, 1980); series in `r`, corrected for `e`, give both functions, and the quadrant selects between them.
 #[inline(always)]
 pub(super) fn sin_cos<T: Real>(x: T) -> (T, T) {
     if x.largest() > LARGEST_ANGLE {
@@ -71,13 +71,13 @@ fn rounded<T: Real>(x: T) -> T {
     (x + shift) - shift
 }
 
-/// `x - quarters pi / 2` as a number and what its rounding leaves.
+/// `x - quarters pi / 2` as a rounded number and its rounding error.
 #[inline(always)]
 fn reduced<T: Real>(x: T, quarters: T) -> (T, T) {
     let first = x - quarters * HALF_PI[0];
     let second = quarters * HALF_PI[1];
     let a = first - second;
-    // What the subtraction lost: the larger of the two numbers may be either.
+    // The rounding error of the subtraction, whichever of the two numbers is larger.
     let back = first - a;
     let lost = (first - (a + back)) + (back - second);
     let third = quarters * HALF_PI[2] - lost;
@@ -85,7 +85,7 @@ fn reduced<T: Real>(x: T, quarters: T) -> (T, T) {
     (r, (a - r) - third)
 }
 
-/// `sin (r + e) = sin r + e cos r`, of the cosine as much as counts.
+/// `sin (r + e) = sin r + e cos r`, with the significant terms of the cosine.
 #[inline(always)]
 fn sine<T: Real>(r: T, e: T) -> T {
     let z = r * r;
@@ -93,7 +93,7 @@ fn sine<T: Real>(r: T, e: T) -> T {
     r + (r * z * polynomial(z, &SINE) + correction)
 }
 
-/// `cos (r + e) = cos r - e sin r`, with what rounding `1 - r^2 / 2` loses.
+/// `cos (r + e) = cos r - e sin r`, corrected for the rounding of `1 - r^2 / 2`.
 #[inline(always)]
 fn cosine<T: Real>(r: T, e: T) -> T {
     let z = r * r;

@@ -1,8 +1,8 @@
 use super::number::Real;
 
-/// Beyond this argument tanh is one to the last bit.
+/// Beyond this argument tanh equals one to the last bit.
 const SATURATED: f64 = 19.1;
-/// How often an argument is halved, so that the series below is short.
+/// Number of halvings of an argument, so that the series below is short.
 const HALVINGS: i32 = 6;
 /// Coefficients of `(e^y - 1) / y`, up to where the next is below rounding at `2 SATURATED / 2^HALVINGS`.
 const SERIES: [f64; 16] = [
@@ -30,7 +30,7 @@ const SERIES: [f64; 16] = [
 /// `e^(2 y) - 1 = e (e + 2)`, which keeps the digits of small arguments.
 #[inline(always)]
 pub fn tanh<T: Real>(x: T) -> T {
-    // Mostly, every lane is beyond.
+    // The usual case: every lane is saturated.
     if (x * x - x.like(SATURATED * SATURATED)).is_positive() { sign_or(x, x) } else { between(x) }
 }
 
@@ -47,14 +47,14 @@ fn between<T: Real>(x: T) -> T {
     x.select_less(x.like(0.0), -tanh, tanh)
 }
 
-/// -1 or 1, and `at_zero` where x is neither below nor above.
+/// -1 or 1, and `at_zero` where x is zero or NaN.
 #[inline(always)]
 pub fn sign_or<T: Real>(x: T, at_zero: T) -> T {
     let zero = x.like(0.0);
     x.select_less(zero, x.like(-1.0), zero.select_less(x, x.like(1.0), at_zero))
 }
 
-/// By Horner's rule.
+/// Horner's rule.
 #[inline(always)]
 pub(super) fn polynomial<T: Real, const N: usize>(z: T, coefficients: &[f64; N]) -> T {
     let mut sum = z.like(coefficients[N - 1]);

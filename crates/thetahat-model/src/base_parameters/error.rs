@@ -13,12 +13,12 @@ pub enum BaseParametersError {
     UnknownBaseParameter {
         /// The name.
         name: String,
-        /// Where it went, if it is a standard parameter.
+        /// The base parameters that contain it, if it is a standard parameter.
         hint: String,
         /// The base parameters.
         known: Vec<String>,
     },
-    /// Nothing acts on any torque: everything that does is excluded.
+    /// No parameter acts on any torque: all that do are excluded.
     #[error("`exclude` leaves no parameter that acts on any torque; exclude fewer")]
     NoneLeft,
     /// Two ways to count the base parameters disagree: the geometry is close to a special one.

@@ -20,15 +20,15 @@ use crate::dynamics::Model;
 /// States beyond the number of columns examined together, so that random ones cannot be dependent by chance.
 const MARGIN: usize = 16;
 
-/// The dependencies of the standard parameters at `considered`; `None` where so many states are not enough, or a decision
-/// is not clear.
+/// The dependencies of the standard parameters at `considered`; `None` if this number of states is not enough, or a decision is
+/// not clear.
 pub(super) fn dependencies(model: &Model, considered: &[usize], states: usize) -> Option<Dependencies> {
     let observations = Observations::new(model, considered, states)?;
     let inertial = considered.iter().map(|&i| model.parameter_table().get(i).quantity.is_inertial()).collect();
     let mut search = Search::new(&observations, inertial, model.coordinate_count());
     (0..model.coordinate_count()).rev().try_for_each(|coordinate| search.pass(coordinate))?;
     if !search.carried.is_empty() {
-        // On each coordinate they act by less than rounding, on all together by more.
+        // They act on each coordinate by less than rounding, on all together by more.
         return None;
     }
     search.null_space.dependencies(&observations)
@@ -55,7 +55,7 @@ impl<'a> Search<'a> {
         Self { observations, inertial, entering, carried: Vec::new(), null_space }
     }
 
-    /// From the combinations that act on no coordinate behind this one to those that act on none behind the next.
+    /// Advances from the combinations that act on no coordinate after this one to those that also do not act on this one.
     fn pass(&mut self, coordinate: usize) -> Option<()> {
         let new = units(&self.entering[coordinate]).chain(std::mem::take(&mut self.carried));
         let mut unseen = self.unseen(coordinate, new)?;
@@ -76,7 +76,7 @@ impl<'a> Search<'a> {
         Some(examined.dependent)
     }
 
-    /// Keeps the combinations that the columns before reproduce, and returns the others.
+    /// Stores the combinations that the columns of earlier links reproduce, and returns the others.
     fn take_up(&mut self, unseen: Vec<Combination>, before: &[usize]) -> Option<Vec<Combination>> {
         let mut examined = Examined::default();
         for column in units(before) {
@@ -91,7 +91,7 @@ impl<'a> Search<'a> {
         Some(examined.independent.split_off(columns))
     }
 
-    /// The inertial columns of the links before those that enter at a coordinate.
+    /// The inertial columns of earlier links than those entering at a coordinate.
     fn before(&self, coordinate: usize) -> Vec<usize> {
         let inertial = |column: &usize| self.inertial[*column];
         let links = self.entering[coordinate].iter().copied().filter(inertial);
@@ -104,7 +104,7 @@ fn units(columns: &[usize]) -> impl Iterator<Item = Combination> {
     columns.iter().map(|&column| Combination::from([(column, 1.0)]))
 }
 
-/// Combinations that were looked at one after the other.
+/// Combinations examined one after the other.
 #[derive(Default)]
 struct Examined {
     columns: LeftToRight,
@@ -114,7 +114,7 @@ struct Examined {
 }
 
 impl Examined {
-    /// The next combination, with its values; `None` where it is not clear whether it is independent.
+    /// Adds the next combination, with its values; `None` if it is not clear whether it is independent.
     fn push(&mut self, values: Vec<f64>, combination: Combination) -> Option<()> {
         if self.independent.len() + MARGIN >= values.len() {
             return None;

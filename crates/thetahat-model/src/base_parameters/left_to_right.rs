@@ -1,8 +1,9 @@
 use thetahat_ground::linear_algebra::{dot, norm};
 
-/// Part of a column of norm about 1 below which it is spanned by those before it: rounding leaves less than 1e-13.
+/// Size of the remainder of a column of norm about 1 below which it is spanned by earlier ones: rounding leaves less than
+/// 1e-13.
 const SPANNED: f64 = 1e-11;
-/// The part above which it is independent. What lies between is left to whoever looks at all rows.
+/// Size of the remainder above which a column is independent. Between the two limits the whole matrix must decide.
 const INDEPENDENT: f64 = 1e-6;
 
 /// Gram-Schmidt with one repetition, column by column: `K = Q R` of the columns kept.
@@ -13,16 +14,16 @@ pub(super) struct LeftToRight {
     triangle: Vec<Vec<f64>>,
 }
 
-/// What a column is beside those before it.
+/// Whether a column is independent of the earlier ones.
 pub(super) enum Column {
-    /// None of them; it is kept.
+    /// Independent; the column is kept.
     Independent,
     /// The sum of the columns kept, with these coefficients.
     Spanned(Vec<f64>),
 }
 
 impl LeftToRight {
-    /// The next column; `None` where it is not clear what it is.
+    /// Examines the next column; `None` if the result is not clear.
     pub(super) fn push(&mut self, mut rest: Vec<f64>) -> Option<Column> {
         let mut along = vec![0.0; self.basis.len()];
         (0..2).for_each(|_| self.take_off(&mut rest, &mut along));

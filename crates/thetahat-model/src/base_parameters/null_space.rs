@@ -1,26 +1,26 @@
 use super::{combination::Combination, dependencies::Dependencies, observations::Observations};
 use thetahat_ground::linear_algebra::{Matrix, norm};
 
-/// Size of a factor, beside a norm of 1, below which it is rounding.
+/// Size of a factor, relative to a norm of 1, below which it is rounding.
 const ROUNDING: f64 = 1e-11;
-/// The size above which it can be divided by. What lies between is left to whoever looks at all columns at once.
+/// Size above which a factor can be a pivot. Between the two limits the whole matrix must decide.
 const PIVOT: f64 = 1e-5;
-/// Part of a combination that the states to check by may show: rounding leaves less than 1e-13.
+/// Largest effect of a dependent combination in the check states: rounding leaves less than 1e-13.
 const SEEN: f64 = 1e-11;
 
-/// Combinations of columns that are zero, each with the last of its columns, which no other has as its last.
+/// Combinations of columns that are zero, each with its last column, which is the last column of no other combination.
 pub(super) struct NullSpace {
     /// By the last column, whose factor is 1: the factors of all columns.
     by_last: Vec<Option<Vec<f64>>>,
 }
 
 impl NullSpace {
-    /// No combination of so many columns.
+    /// An empty null space for this number of columns.
     pub(super) fn new(columns: usize) -> Self {
         Self { by_last: vec![None; columns] }
     }
 
-    /// One more; `None` where it is not clear which column is its last.
+    /// Adds a combination; `None` if its last column is not clear.
     pub(super) fn insert(&mut self, combination: &Combination) -> Option<()> {
         let mut factors = vec![0.0; self.by_last.len()];
         combination.iter().for_each(|(&column, &factor)| factors[column] = factor);
@@ -41,7 +41,7 @@ impl NullSpace {
         }
     }
 
-    /// Each last column in those that are the last of no combination; `None` where the states to check by contradict.
+    /// Expresses each last column by those that are not last; `None` if the check states contradict.
     pub(super) fn dependencies(mut self, observations: &Observations) -> Option<Dependencies> {
         let effective = (0..self.by_last.len()).filter(|&column| observations.scale(column) > 0.0);
         let (spanned, kept): (Vec<usize>, Vec<usize>) = effective.partition(|&column| self.by_last[column].is_some());
@@ -61,7 +61,7 @@ impl NullSpace {
         Some(Dependencies { kept, spanned, coefficients })
     }
 
-    /// Replaces columns before the last that are themselves the last of another combination.
+    /// Substitutes columns before the last that are themselves the last of another combination.
     fn reduce(&mut self) {
         for last in 0..self.by_last.len() {
             let (before, from) = self.by_last.split_at_mut(last);

@@ -12,14 +12,14 @@ use thetahat_ground::series::Series;
 
 /// Seed of the random states.
 const SEED: u64 = 20_170_703;
-/// States beside the others, to check by.
+/// Additional states for checking.
 const CHECKS: usize = 8;
-/// Columns that are smaller than this beside the largest have no effect: they are rounding.
+/// Columns smaller than this, relative to the largest, have no effect: they are rounding.
 const NO_EFFECT: f64 = 1e-12;
-/// Columns that are larger have one.
+/// Columns larger than this have an effect.
 const EFFECT: f64 = 1e-8;
 
-/// Positions, velocities and accelerations, the same at each call. Torque terms may act at small velocities alone: of a robot
+/// Positions, velocities and accelerations, the same at each call. Torque terms may act only at small velocities: for a robot
 /// with terms, every second velocity is smaller, by up to four orders of magnitude.
 pub(super) fn random_states(model: &Model, count: usize) -> [Series; 3] {
     let coordinates = model.coordinate_count();
@@ -40,17 +40,17 @@ pub(super) fn random_states(model: &Model, count: usize) -> [Series; 3] {
     states
 }
 
-/// Values of the recorded channels that torque terms take, the same at each call; none where no term takes one.
+/// Values of the recorded channels that torque terms use, the same at each call; none if no term uses one.
 pub(super) fn random_channels(model: &Model, count: usize) -> Option<Series> {
     let width = model.channels().len() * model.coordinate_count();
     let mut rng = ChaCha8Rng::seed_from_u64(SEED + 2);
     let values = (0..count * width).map(|_| rng.random_range(-50.0..50.0)).collect();
-    (width > 0).then(|| Series::from_values(width, values))
+    (width > 0).then(|| Series::shaped(width, values))
 }
 
 /// The entries of `phi` in random states, each column divided by its norm over all of them.
 pub(super) struct Observations {
-    /// Number of states, without those to check by, which come behind.
+    /// Number of states, without the check states, which follow.
     states: usize,
     entries: usize,
     /// State by state, as the regressor wrote them.
@@ -59,7 +59,7 @@ pub(super) struct Observations {
 }
 
 struct Observed {
-    /// The coordinates on which the column acts, rising, with the places of the entries.
+    /// The coordinates on which the column acts, rising, with the indices of the entries.
     places: Vec<(usize, usize)>,
     /// One by its norm; zero where it has no effect.
     scale: f64,
@@ -68,7 +68,8 @@ struct Observed {
 }
 
 impl Observations {
-    /// Those of the standard parameters at `indices`, in so many states; `None` where it is not clear which have an effect.
+    /// The observations of the standard parameters at `indices`, in `states` states; `None` if it is not clear which have an
+    /// effect.
     pub(super) fn new(model: &Model, indices: &[usize], states: usize) -> Option<Self> {
         let regressor = Regressor::new(model, indices).with_channels(random_channels(model, states + CHECKS));
         let (entries, all) = (regressor.entries().len(), states + CHECKS);
@@ -99,12 +100,12 @@ impl Observations {
         self.columns.len()
     }
 
-    /// By how much a column was multiplied; zero for one that has no effect.
+    /// The factor by which a column was multiplied; zero for a column without effect.
     pub(super) fn scale(&self, column: usize) -> f64 {
         self.columns[column].scale
     }
 
-    /// The coordinates on which a column acts, from the last to the first; none where it has no effect.
+    /// The coordinates on which a column acts, from the last to the first; none if it has no effect.
     pub(super) fn coordinates(&self, column: usize) -> impl Iterator<Item = usize> {
         let Observed { places, scale, .. } = &self.columns[column];
         places.iter().rev().map(|(coordinate, _)| *coordinate).filter(move |_| *scale > 0.0)
@@ -128,7 +129,7 @@ impl Observations {
         self.sums(0..self.states, combination)
     }
 
-    /// The same in the states to check by.
+    /// The sums in the check states.
     pub(super) fn check(&self, combination: &Combination) -> Vec<f64> {
         self.sums(self.states..self.states + CHECKS, combination)
     }

@@ -9,14 +9,14 @@ use crate::{
     robot::{Parameter, ParameterTable},
 };
 
-/// A base parameter: the standard parameter that is kept, and what is regrouped into it.
+/// A base parameter: the kept standard parameter and those regrouped into it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BaseParameter {
     /// Index of the kept parameter in the table.
     pub kept: usize,
     /// Index and coefficient of each regrouped parameter.
     pub regrouped: Vec<(usize, f64)>,
-    /// Name: the kept parameter's, with `r` behind it where something is regrouped.
+    /// Name: that of the kept parameter, followed by `r` if something is regrouped into it.
     pub name: String,
     /// Formula, such as `zz1 + ia1 + yy2 + 0.07*mz3`.
     pub expression: String,
@@ -29,17 +29,17 @@ pub struct BaseParameter {
 pub struct BaseParameters {
     parameters: Vec<BaseParameter>,
     standard_count: usize,
-    /// Index and value of the standard parameters that are not estimated because they are given.
+    /// Index and value of the standard parameters that are given and not estimated.
     fixed: Vec<(usize, f64)>,
 }
 
-/// Random states to begin with, and once more where they are not enough or a decision is not clear.
+/// Number of random states of the first attempt, and of a second one if a decision is not clear.
 pub(super) const STATES: [usize; 2] = [48, 192];
 /// Coefficients of the formulas are exact to about 1e-12; smaller ones are rounding.
 const NEGLIGIBLE: f64 = 1e-9;
 
 impl BaseParameters {
-    /// The base parameters of a model, with the standard parameters named in `excluded` taken as zero.
+    /// The base parameters of a model, with the standard parameters named in `excluded` set to zero.
     ///
     /// # Errors
     /// [`BaseParametersError`] for an unknown name or a rank that is not clear.
@@ -50,7 +50,7 @@ impl BaseParameters {
         Ok(Self::from_dependencies(model.parameter_table(), &considered, &dependencies))
     }
 
-    /// The same with standard parameters at given values, by name, SI: their torques belong to the left side.
+    /// The base parameters with some standard parameters at given values, by name, SI: their torques move to the left side.
     ///
     /// # Errors
     /// As [`BaseParameters::of`].
@@ -102,7 +102,7 @@ impl BaseParameters {
     /// Only the parameters named, in the order of the base parameters.
     ///
     /// # Errors
-    /// [`BaseParametersError::UnknownBaseParameter`], which says where a regrouped parameter went.
+    /// [`BaseParametersError::UnknownBaseParameter`], which states where a regrouped parameter went.
     pub fn select(&self, table: &ParameterTable, names: &[String]) -> Result<Self, BaseParametersError> {
         if let Some(name) = names.iter().find(|name| self.parameters.iter().all(|p| p.name != **name)) {
             return Err(self.unknown(table, name));
@@ -111,27 +111,27 @@ impl BaseParameters {
         Ok(Self { parameters, ..self.clone() })
     }
 
-    /// Those whose kept standard parameter is wanted.
+    /// The base parameters whose kept standard parameter satisfies `is_wanted`.
     #[doc(hidden)]
     pub fn filtered(&self, is_wanted: impl Fn(usize) -> bool) -> Self {
         let parameters = self.parameters.iter().filter(|p| is_wanted(p.kept)).cloned().collect();
         Self { parameters, ..self.clone() }
     }
 
-    /// The base parameters that a vector of standard parameters has.
+    /// The base parameters of a vector of standard parameters.
     #[must_use]
     pub fn from_standard(&self, theta: &[f64]) -> Vec<f64> {
         let value = |p: &BaseParameter| theta[p.kept] + p.regrouped.iter().map(|&(i, c)| c * theta[i]).sum::<f64>();
         self.parameters.iter().map(value).collect()
     }
 
-    /// Whether a vector of standard parameters has the values that are given.
+    /// Whether a vector of standard parameters has the given values.
     #[must_use]
     pub fn agrees_with_fixed(&self, theta: &[f64]) -> bool {
         self.fixed.iter().all(|&(i, value)| theta[i] == value)
     }
 
-    /// A vector of standard parameters with the same torques: the kept ones, those that are given, zeros elsewhere.
+    /// A vector of standard parameters with the same torques: the kept parameters, the given values, zeros elsewhere.
     #[must_use]
     pub fn to_standard(&self, base: &[f64]) -> Vec<f64> {
         let mut theta = vec![0.0; self.standard_count];
@@ -271,7 +271,7 @@ mod tests {
         assert!(matches!(result, Err(BaseParametersError::UnknownStandardParameter { .. })));
     }
 
-    /// A truth that has another value for a fixed parameter is no truth of the estimated ones.
+    /// A true vector with another value of a fixed parameter does not give the true estimated ones.
     #[test]
     fn a_standard_vector_agrees_only_with_its_own_fixed_value() {
         let model = Model::new(&Robot::parse(TX40, Path::new("tx40.toml")).unwrap());

@@ -1,4 +1,4 @@
-//! Joint by joint and all at once, the same base parameters of random robots.
+//! Joint by joint and all at once give the same base parameters for random robots.
 
 use std::{fmt::Write, path::Path};
 
@@ -17,19 +17,19 @@ use crate::{dynamics::Model, robot::Robot};
 /// Largest difference of coefficients, relative for those above 1.
 const SAME: f64 = 1e-9;
 
-/// What a random robot is made of, by probabilities.
+/// Probabilities of the features of a random robot.
 struct Kind {
-    /// A parent that is any link before, not the last.
+    /// A parent that is any earlier link, not the last.
     parents: f64,
     /// A joint that follows another.
     followers: f64,
-    /// Further joints that a motor drives, as many in the mean.
+    /// Mean number of further joints that a motor drives.
     coupled: f64,
-    /// A length or angle that is a special one.
+    /// A length or angle with a special value.
     right_angles: f64,
     /// A parameter that is excluded.
     excluded: f64,
-    /// No probability: by how much each alpha differs.
+    /// Not a probability: the spread of each alpha.
     skew_deg: f64,
 }
 
@@ -80,7 +80,7 @@ fn write_transmission(text: &mut String, n: usize, kind: &Kind, rng: &mut ChaCha
     writeln!(text, "[transmission]\nmatrix = [{}]", rows.join(", ")).unwrap();
 }
 
-/// The dependencies found joint by joint, which must agree with the whole matrix; none where the joints do not decide.
+/// The dependencies found joint by joint, which must agree with the whole matrix; none if joint by joint is undecided.
 fn compared(robot: &Robot, excluded: f64, rng: &mut ChaCha8Rng) -> Option<Dependencies> {
     let model = Model::new(robot);
     let table = model.parameter_table();
@@ -93,13 +93,13 @@ fn compared(robot: &Robot, excluded: f64, rng: &mut ChaCha8Rng) -> Option<Depend
         let (found, expected) = (found.coefficients.column(k), expected.coefficients.column(k));
         let largest = expected.iter().fold(1.0, |a: f64, c| a.max(c.abs()));
         for (found, expected) in found.iter().zip(expected) {
-            assert!((found - expected).abs() < SAME * largest, "{found} and {expected} beside {largest}");
+            assert!((found - expected).abs() < SAME * largest, "{found} and {expected}, largest {largest}");
         }
     }
     Some(found)
 }
 
-/// Two robots of each size from 6 to 20 joints: the joints decide on all.
+/// Two robots of each size from 6 to 20 joints: joint by joint decides all.
 fn the_same_of(kind: &Kind) {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     for joints in (6..=20).chain(6..=20) {
@@ -132,7 +132,7 @@ fn with_parameters_excluded() {
     the_same_of(&Kind { parents: 0.3, right_angles: 0.7, excluded: 0.3, followers: 0.2, coupled: 0.7, ..CHAIN });
 }
 
-/// Ten links that one joint moves, which need more states.
+/// Ten links that one joint moves, which require more states.
 #[test]
 fn with_many_followers() {
     let follower = |j: usize| {
@@ -149,7 +149,8 @@ fn with_many_followers() {
     assert!(compared(&robot, 0.0, &mut rng).is_some());
 }
 
-/// Axes that are nearly at right angles: joint by joint the same, or undecided and left to the whole matrix.
+/// Axes that are nearly at right angles: joint by joint gives the same, or is undecided and leaves the decision to the whole
+/// matrix.
 #[test]
 fn with_nearly_special_axes() {
     let mut undecided = 0;

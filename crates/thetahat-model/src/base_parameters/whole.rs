@@ -1,4 +1,4 @@
-//! Dependencies of all columns at once: by the third power of the number of joints, for robots that are nearly special.
+//! Dependencies of all columns at once, in cubic time, for nearly special robots.
 
 use super::{
     dependencies::Dependencies,
@@ -13,7 +13,7 @@ use thetahat_ground::linear_algebra::{Matrix, PivotedQr, dot, norm};
 
 /// Random states whose rows are examined: several times as many rows as there can be parameters.
 const STATES: usize = 100;
-/// Part of a column, relative to its norm, below which it counts as spanned by those before it; also the relative
+/// Part of a column, relative to its norm, below which it counts as spanned by earlier ones; also the relative
 /// tolerance of the rank. Spanned columns leave about 1e-14, independent ones more than 1e-4 for real geometries.
 const TOLERANCE: f64 = 1e-9;
 

@@ -1,7 +1,7 @@
 use crate::robot::Solid;
 use thetahat_ground::vector::{Mat3, Vec3, add, scale, times};
 
-/// All points within a radius of a segment.
+/// All points within a given distance of a segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Capsule {
     /// The ends of the segment, m.
@@ -10,11 +10,11 @@ pub struct Capsule {
     pub radius: f64,
 }
 
-/// Lengths of the segment among which the smallest capsule is sought, parts of the solid's.
+/// Number of segment lengths tried for the smallest capsule, up to the solid's length.
 const LENGTHS: usize = 200;
 
 impl Capsule {
-    /// The capsule with the least volume, along the longest edge, that holds a solid.
+    /// The capsule of least volume, along the longest edge, that contains a solid.
     #[must_use]
     pub fn around(solid: &Solid) -> Self {
         match *solid {
@@ -42,13 +42,13 @@ impl Capsule {
         Self { ends: [end, scale(-1.0, end)], radius }
     }
 
-    /// The capsule in the frame in which its own is given by a rotation and an origin.
+    /// The capsule moved by a rotation and an origin.
     #[must_use]
     pub fn placed(&self, rotation: &[[f64; 3]; 3], origin: [f64; 3]) -> Self {
         Self { ends: self.ends.map(|end| placed(rotation, origin, end)), radius: self.radius }
     }
 
-    /// The point of the segment at a part of it from 0 to 1.
+    /// The point of the segment at a fraction from 0 to 1.
     pub(super) fn at(&self, part: f64) -> Vec3 {
         let [a, b] = self.ends;
         add(scale(1.0 - part, a), scale(part, b))
@@ -64,7 +64,7 @@ mod tests {
     use super::*;
     use thetahat_ground::vector::norm;
 
-    /// Distance of a point to the segment, by trying its points.
+    /// Distance of a point to the segment, by sampling the segment.
     fn from_segment(capsule: &Capsule, point: Vec3) -> f64 {
         (0..=1000)
             .map(|k| norm(add(point, scale(-1.0, capsule.at(f64::from(k) / 1000.0)))))
@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn capsules_hold_their_solids() {
+    fn capsules_contain_their_solids() {
         let edges = [0.2, 0.7, 0.3];
         let around = Capsule::around(&Solid::Box { edges });
         for corner in 0..8 {

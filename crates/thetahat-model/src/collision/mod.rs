@@ -1,4 +1,4 @@
-//! How near a robot comes to itself and to what stands around it.
+//! Distances of a robot's links from each other and from obstacles.
 //!
 //! Links are capsules: all points within a radius of a segment. They are given, or fitted around boxes, cylinders and spheres.
 //! Obstacles are half-spaces, boxes and cylinders. Distances are exact for these shapes, below zero where they overlap.

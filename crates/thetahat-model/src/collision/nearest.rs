@@ -1,13 +1,13 @@
-//! Where shapes are nearest to one another.
+//! The nearest points of shapes.
 
 use super::capsule::Capsule;
 use thetahat_ground::vector::{Vec3, add, dot, norm, scale};
 
-/// Steps of the golden section: the part is then known to 1e-8.
+/// Steps of the golden section: the fraction is then known to 1e-8.
 const STEPS: usize = 38;
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// The part from 0 to 1 at which a convex function is least.
+/// The fraction from 0 to 1 at which a convex function is least.
 pub(super) fn least_of_convex(f: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     let mut inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
@@ -27,7 +27,7 @@ pub(super) fn least_of_convex(f: impl Fn(f64) -> f64) -> f64 {
     [0.0, 1.0].into_iter().fold(middle, |best, end| if f(end) < f(best) { end } else { best })
 }
 
-/// The points of two segments that are nearest to one another (C. Ericson, "Real-Time Collision Detection", 2005, 5.1.9).
+/// The nearest points of two segments (C. Ericson, "Real-Time Collision Detection", 2005, 5.1.9).
 pub(super) fn of_segments(first: &Capsule, second: &Capsule) -> [Vec3; 2] {
     let minus = |a: Vec3, b: Vec3| add(a, scale(-1.0, b));
     let ([p1, q1], [p2, q2]) = (first.ends, second.ends);
@@ -44,7 +44,7 @@ pub(super) fn of_segments(first: &Capsule, second: &Capsule) -> [Vec3; 2] {
     [first.at(s), second.at(t)]
 }
 
-/// The clearance of two capsules, a point of each segment, and the direction in which the first leaves the second.
+/// The clearance of two capsules, the nearest point of each segment, and the direction in which the first leaves the second.
 pub(super) fn of_capsules(first: &Capsule, second: &Capsule) -> (f64, [Vec3; 2], Vec3) {
     let points = of_segments(first, second);
     let apart = add(points[0], scale(-1.0, points[1]));
@@ -66,14 +66,14 @@ mod tests {
         Capsule { ends: [point(), point()], radius: 0.1 }
     }
 
-    /// Parts of a segment that are tried.
+    /// Number of sampled points of a segment.
     const TRIED: usize = 400;
 
     fn tried(capsule: &Capsule) -> Vec<Vec3> {
         (0..=TRIED).map(|k| capsule.at(k as f64 / TRIED as f64)).collect()
     }
 
-    /// No point of one segment is nearer to one of the other; the distance of points that are tried is at most a step too long.
+    /// No sampled points of the segments are nearer; the sampled distance is too long by at most a step.
     #[test]
     fn segments_are_as_near_as_their_nearest_points() {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
@@ -94,7 +94,7 @@ mod tests {
         }
     }
 
-    /// The distance to boxes and cylinders: against points on their surface that are tried, and slopes against differences.
+    /// The distance to boxes and cylinders: compared with sampled points on their surface, and slopes with differences.
     #[test]
     fn obstacles_are_as_near_as_their_nearest_points() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);

@@ -1,12 +1,12 @@
 use super::{capsule::Capsule, nearest::least_of_convex};
 use thetahat_ground::vector::{Vec3, add, dot, norm, scale, times, transpose_times};
 
-/// Something that stands around the robot, in the frame of its base.
+/// An obstacle near the robot, in the frame of its base.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Obstacle {
     /// Its name.
     pub name: String,
-    /// What it is.
+    /// Its shape.
     pub shape: ObstacleShape,
 }
 
@@ -43,7 +43,7 @@ pub enum ObstacleShape {
 }
 
 impl ObstacleShape {
-    /// The distance of a point, below zero inside, and the direction in which it grows.
+    /// The distance of a point, below zero inside, and its gradient.
     pub(super) fn distance(&self, point: Vec3) -> (f64, Vec3) {
         match self {
             Self::HalfSpace { normal, offset } => (dot(*normal, point) - offset, *normal),
@@ -63,7 +63,7 @@ impl ObstacleShape {
         }
     }
 
-    /// The clearance of a capsule, the point of its segment that is nearest, and the direction in which it leaves.
+    /// The clearance of a capsule, the nearest point of its segment, and the direction of separation.
     pub(super) fn clearance(&self, capsule: &Capsule) -> (f64, Vec3, Vec3) {
         let part = match self {
             Self::HalfSpace { normal, .. } => {
@@ -78,7 +78,7 @@ impl ObstacleShape {
     }
 }
 
-/// Distance of a point to a box about the origin, below zero inside, and the direction in which it grows.
+/// Distance of a point to a box about the origin, below zero inside, and its gradient.
 fn of_box(x: Vec3, half: &Vec3) -> (f64, Vec3) {
     let beyond = [0, 1, 2].map(|k| x[k].abs() - half[k]);
     let outside = beyond.map(|b| b.max(0.0));

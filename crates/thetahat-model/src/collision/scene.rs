@@ -11,13 +11,13 @@ use thetahat_ground::vector::{Vec3, scale};
 pub struct Body {
     /// Name of the link.
     pub link: String,
-    /// The joint that moves it; none for what stands on the base.
+    /// The joint that moves it; none for a body fixed to the base.
     pub carrier: Option<usize>,
     /// The capsule in the joint's frame.
     pub capsule: Capsule,
 }
 
-/// The robot's capsules, what stands around it, and which of them must stay apart.
+/// The robot's capsules, the obstacles, and the pairs that must stay apart.
 #[derive(Debug, Clone)]
 pub struct Scene {
     model: Model,
@@ -35,19 +35,19 @@ enum Pair {
     Obstacle(usize, usize),
 }
 
-/// How far two shapes are apart.
+/// The distance of two shapes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clearance {
     /// Their distance, m; below zero where they overlap.
     pub distance: f64,
-    /// Its derivatives by the coordinates, m/rad or 1.
+    /// Its derivatives with respect to the coordinates, m/rad or 1.
     pub slopes: Vec<f64>,
 }
 
 impl Scene {
-    /// Bodies of a robot and what stands around it.
+    /// Bodies of a robot and obstacles.
     ///
-    /// Bodies of one link and of a link and its carrier may touch, and so may those whose names `ignored` has.
+    /// Bodies of one link and of a link and its carrier may touch, and so may the pairs named in `ignored`.
     #[must_use]
     pub fn new(model: &Model, bodies: Vec<Body>, obstacles: Vec<Obstacle>, ignored: &[[String; 2]]) -> Self {
         let may_touch = |a: &str, b: &str| {

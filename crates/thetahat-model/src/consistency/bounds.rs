@@ -1,4 +1,4 @@
-//! What the physically consistent set says of one base parameter, whatever the others are.
+//! The range of one base parameter in the physically consistent set, whatever the others are.
 
 use super::{set::ConsistentSet, symmetric::Symmetric};
 use crate::{
@@ -6,14 +6,14 @@ use crate::{
     robot::{Bound, LinkQuantity, Quantity},
 };
 
-/// Size of an eigenvalue relative to the largest that is rounding.
+/// Size of an eigenvalue relative to the largest below which it is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// The least and the largest value of a base parameter in the set, known values left out of account: 0 or infinite.
+/// The least and the largest value of a base parameter in the set, ignoring known values: 0 or infinite.
 ///
-/// A base parameter is `sum_l tr(C_l P_l) + sum_k c_k s_k` with the pseudo-inertia matrices P and the parameters s that are
-/// not below zero. It is not below zero if and only if all C_l are positive semidefinite, no c_k is negative and nothing else
-/// is in it: the dual cone.
+/// A base parameter is `sum_l tr(C_l P_l) + sum_k c_k s_k` with the pseudo-inertia matrices P and the nonnegative parameters s.
+/// It is nonnegative if and only if all C_l are positive semidefinite, no c_k is negative and it contains nothing else: the
+/// dual cone.
 #[must_use]
 pub fn bounds_of(set: &ConsistentSet, parameter: &BaseParameter) -> [f64; 2] {
     let table = set.parameter_table();
@@ -38,16 +38,16 @@ pub fn bounds_of(set: &ConsistentSet, parameter: &BaseParameter) -> [f64; 2] {
     [if lowest >= 0.0 { 0.0 } else { f64::NEG_INFINITY }, if highest <= 0.0 { 0.0 } else { f64::INFINITY }]
 }
 
-/// An interval of a free estimate as far as the bounds of the set allow it, widened to the consistent estimate.
+/// The interval of a free estimate cut to the bounds of the set, and widened to contain the consistent estimate.
 ///
-/// A true value within the bounds that the free interval holds is held by this one: it covers no less. It ends with the
-/// estimate where that lies outside of it, as only estimates of data do that reject consistency.
+/// A true value within the bounds is in this interval if it is in the free interval, so the coverage does not fall. The
+/// consistent estimate lies outside the free interval only if the data reject consistency; the interval then ends at it.
 #[must_use]
 pub fn interval_in([least, largest]: [f64; 2], [low, high]: [f64; 2], estimate: f64) -> [f64; 2] {
     [low.clamp(least, largest).min(estimate), high.clamp(least, largest).max(estimate)]
 }
 
-/// `C` with `tr(C P)` the parameter, by its entries on and below the diagonal.
+/// `C` with `tr(C P)` equal to the parameter, by its entries on and below the diagonal.
 fn adjoint(quantity: LinkQuantity) -> &'static [(usize, usize, f64)] {
     match quantity {
         LinkQuantity::Xx => &[(1, 1, 1.0), (2, 2, 1.0)],

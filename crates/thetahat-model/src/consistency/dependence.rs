@@ -1,4 +1,4 @@
-//! How the standard parameters nearest to the a-priori ones move with the base parameters that they keep.
+//! How the standard parameters nearest to the a-priori ones change with the base parameters that they keep.
 
 use super::{
     elimination::Elimination, error::ConsistencyError, pseudo_inertia::entries, set::ConsistentSet,
@@ -10,29 +10,29 @@ use crate::{
 };
 use thetahat_ground::linear_algebra::{Matrix, PivotedQr};
 
-/// Curvature, in usual sizes, of what the divergence does not weigh: next to none, so that it takes up what it can.
+/// Curvature, in usual sizes, of parameters without a divergence: almost zero, so that they absorb what they can.
 const FLAT: f64 = 1e-9;
-/// Part of its usual size below which a motor inertia without a-priori value is at zero, and stays there.
+/// Fraction of its usual size below which a motor inertia without a-priori value is at zero, and stays there.
 const AT_ZERO: f64 = 1e-6;
-/// Part of a base parameter, in usual sizes, below which what can still move of it is rounding.
+/// Fraction of a base parameter, in usual sizes, below which its remaining freedom is rounding.
 const BOUND: f64 = 1e-9;
 
-/// How standard parameters follow base parameters, as far as what is known lets these move.
+/// How standard parameters depend on base parameters, within the freedom that known values leave.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dependence {
-    /// How the base parameters move with those that can move freely, base by free: the identity where nothing known binds one.
+    /// The base parameters as functions of the free ones, base by free: the identity if no known value binds one.
     pub base: Matrix,
-    /// How the standard parameters move with them, standard by free.
+    /// The standard parameters as functions of the free ones, standard by free.
     pub standard: Matrix,
 }
 
-/// Of all small changes `d theta` with `K d theta = d theta_b`, the one with the least `d theta^T H d theta`, H the second derivatives of
-/// `sum_l D(P_l | P_l0)` at `standard`.
+/// Of all small changes `d theta` with `K d theta = d theta_b`, the one that minimises `d theta^T H d theta`, H the second
+/// derivatives of `sum_l D(P_l | P_l0)` at `standard`.
 ///
-/// What is known of the set holds. `standard` must have definite pseudo-inertia matrices.
+/// Known values of the set are kept. `standard` must have definite pseudo-inertia matrices.
 ///
 /// # Errors
-/// [`ConsistencyError`] for known values that contradict each other; [`ConsistencyError::NotFinite`] where the base parameters
+/// [`ConsistencyError`] for known values that contradict each other; [`ConsistencyError::NotFinite`] if the base parameters
 /// depend on one another.
 pub fn dependence_on_base(
     set: &ConsistentSet,
@@ -45,13 +45,13 @@ pub fn dependence_on_base(
     let scale = unknown_scales(set, &elimination);
     let combinations = combinations(base, count);
     let sizes = row_sizes(&combinations.scale_columns(set.scale()));
-    // Relative to what each base parameter usually is.
+    // Relative to the usual size of each base parameter.
     let all = elimination.matrix(&combinations);
     let (free, base_by_free) = free_of(&all.scale_columns(&scale).scale_rows(&reciprocals(&sizes)), &sizes);
     let k = all.transpose().select_columns(&free).transpose();
     let h = n.transposed_times(&curvature(set, standard).times_matrix(&n));
     let (unknowns, bases) = (n.columns(), k.rows());
-    // In usual sizes: the entries of H are reciprocal squares of masses and of moments.
+    // In usual sizes, because the entries of H are reciprocal squares of masses and of moments.
     let entry = |i: usize, j: usize| match (i < unknowns, j < unknowns) {
         (true, true) => h.at(i, j) * scale[i] * scale[j],
         (true, false) => k.at(j - unknowns, i) * scale[i],
@@ -68,7 +68,7 @@ pub fn dependence_on_base(
     Ok(Dependence { base: base_by_free, standard })
 }
 
-/// The rows of a matrix that are independent, and all rows of what has the given sizes times it by these.
+/// The independent rows of a matrix, and all rows, divided by the given sizes, expressed by them.
 fn free_of(rows: &Matrix, sizes: &[f64]) -> (Vec<usize>, Matrix) {
     let columns = rows.transpose();
     let qr = PivotedQr::new(&columns);
@@ -165,7 +165,7 @@ mod tests {
         robot::Robot,
     };
 
-    /// The derivative is what the nearest parameters do when the base parameters change a little.
+    /// The derivative equals the change of the nearest parameters for a small change of the base parameters.
     #[test]
     fn it_is_the_derivative_of_the_nearest_parameters() {
         let text = include_str!("../../../thetahat/demo/tx40.toml");

@@ -1,4 +1,4 @@
-//! Equalities are solved once: the standard parameters become an affine function of fewer unknowns.
+//! Solves equalities once: the standard parameters become an affine function of fewer unknowns.
 
 use super::{
     error::ConsistencyError,
@@ -18,19 +18,19 @@ pub(super) struct Equality {
 /// `x = particular values + N y`: x standard parameters, `values` the right sides of the equalities, y the unknowns.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Elimination {
-    /// The standard parameter that each unknown is.
+    /// The standard parameter of each unknown.
     free: Vec<usize>,
     /// Row of N of each standard parameter: unknowns and coefficients.
     rows: Vec<Vec<(usize, f64)>>,
-    /// What a unit of each equality's right side adds to each standard parameter.
+    /// The change of each standard parameter per unit of each equality's right side.
     particular: Matrix,
     offset: Vec<f64>,
 }
 
-/// Size of a coefficient, relative to the largest of its equality, that is taken for rounding.
+/// Size of a coefficient, relative to the largest of its equality, below which it is rounding.
 const ROUNDING: f64 = 1e-10;
 
-/// An equality in the course of the elimination, with its combination of the given ones.
+/// An equality during the elimination, with its combination of the given ones.
 struct Row {
     coefficients: Vec<f64>,
     combination: Vec<f64>,
@@ -47,8 +47,8 @@ impl Elimination {
         Self::with(equalities, scale, equalities.len())
     }
 
-    /// The same; only the first `binding` equalities must not contradict others. Any other is left out where those before
-    /// it say something else.
+    /// [`Elimination::new`] in which only the first `binding` equalities must not contradict others. Any other is dropped if
+    /// earlier ones contradict it.
     ///
     /// # Errors
     /// As [`Elimination::new`].
@@ -103,7 +103,7 @@ impl Elimination {
         self.rows.iter().zip(&self.offset).map(value).collect()
     }
 
-    /// The unknowns of a vector of standard parameters, whether it meets the equalities or not.
+    /// The unknowns of a vector of standard parameters, whether or not it satisfies the equalities.
     pub(super) fn unknowns_of(&self, x: &[f64]) -> Vec<f64> {
         self.free.iter().map(|&v| x[v]).collect()
     }
@@ -124,7 +124,7 @@ impl Elimination {
         a.times(&self.offset)
     }
 
-    /// A block of the standard parameters as one of the unknowns.
+    /// Expresses a block of the standard parameters in the unknowns.
     pub(super) fn block(&self, block: &Block) -> Block {
         let size = block.constant.size();
         let mut matrices: Vec<Option<Symmetric>> = vec![None; self.free.len()];

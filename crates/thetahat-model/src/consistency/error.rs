@@ -19,7 +19,7 @@ pub enum ConsistencyError {
     /// A value that is not finite, or a lower bound above the upper one.
     #[error("{what}: {reason}")]
     BadValue {
-        /// What was given.
+        /// The given value.
         what: String,
         /// What is wrong with it.
         reason: String,
@@ -35,31 +35,31 @@ pub enum ConsistencyError {
         /// The smallest eigenvalue.
         smallest_eigenvalue: f64,
     },
-    /// Known values that exclude each other.
+    /// Known values that contradict each other.
     #[error("{known} contradicts the other known values: they give {found:.6e} where it says {expected:.6e}")]
     ContradictoryValues {
-        /// What cannot hold.
+        /// The contradicted value.
         known: String,
-        /// What the other values make of it.
+        /// The value implied by the others.
         found: f64,
-        /// What it says.
+        /// The value stated.
         expected: f64,
     },
-    /// The known values leave no parameters that a body could have, or only bodies without volume.
+    /// The known values leave no physically possible parameters, or only bodies without volume.
     #[error(
         "no set of parameters meets all conditions with room to spare (best margin {margin:.3e} of the a-priori values); \
          those in conflict: {}", conflicting.join(", ")
     )]
     NoInterior {
-        /// The largest margin, relative to the a-priori values, that all conditions can have.
+        /// The largest margin, relative to the a-priori values, that all conditions can have together.
         margin: f64,
-        /// The conditions that keep it from being larger.
+        /// The conditions that limit the margin.
         conflicting: Vec<String>,
     },
-    /// A matrix or vector of a wrong size.
+    /// A matrix or vector has a wrong size.
     #[error("{what} must have {expected} entries, but has {found}")]
     WrongSize {
-        /// What has it.
+        /// The matrix or vector.
         what: &'static str,
         /// The size needed.
         expected: usize,

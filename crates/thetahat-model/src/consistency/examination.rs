@@ -10,50 +10,51 @@ use super::{
 use crate::base_parameters::BaseParameters;
 use thetahat_ground::linear_algebra::Matrix;
 
-/// Whether base parameters follow from standard parameters that a robot can have, and if not, why.
+/// Whether base parameters follow from physically possible standard parameters, and if not, why.
 ///
-/// Only robots of at most [`HEAVIEST`] times the a-priori mass count: some parameters would be consistent with links of many
-/// tons alone.
+/// Only robots of at most [`HEAVIEST`] times the a-priori mass count: some parameters would be consistent only with links of
+/// many tons.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Examination {
     /// For consistent parameters the largest t, at most 1, with every condition's matrix at least t times the a-priori one.
-    /// Else minus the least sum of what conditions lack, each in units of its usual value.
+    /// Otherwise minus the minimum total violation, each violation in units of its usual value.
     pub margin: f64,
-    /// Whether nothing is lacking, but for rounding.
+    /// Whether nothing is violated, except for rounding.
     pub consistent: bool,
-    /// Standard parameters with these base parameters: those that have the margin.
+    /// Standard parameters with these base parameters that attain the margin.
     pub standard: Vec<f64>,
     /// Smallest eigenvalue of all pseudo-inertia matrices of `standard`, SI.
     pub smallest_eigenvalue: f64,
-    /// The conditions that no standard parameters with these base parameters meet, as few as possible, and what each
-    /// lacks: a parameter in its own unit, a link the least u in kg m^2 with `P + u 1` positive semidefinite. Empty for
+    /// The conditions violated by all standard parameters with these base parameters, as few as possible, and each violation:
+    /// for a parameter in its own unit, for a link the least u in kg m^2 with `P + u 1` positive semidefinite. Empty for
     /// consistent parameters.
     pub outside: Vec<(Condition, f64)>,
-    /// `margin = sum_i combination_i theta_i + constant`, to first order: a combination of base parameters that no
-    /// consistent vector has below zero.
+    /// `margin = sum_i combination_i theta_i + constant`, to first order: a combination of base parameters that is nonnegative
+    /// for every consistent vector.
     pub combination: Vec<f64>,
 }
 
-/// A robot is at most so many times heavier than its a-priori parameters say.
+/// Largest ratio of a robot's mass to its a-priori mass.
 pub const HEAVIEST: f64 = 100.0;
 
 /// Violations whose sum is below this, in units of usual values, are rounding.
 const ROUNDING: f64 = 1e-8;
-/// What a condition lacks, relative to what all lack, that makes it one of those outside.
+/// Fraction of the total violation above which a condition counts as violated.
 const OUTSIDE: f64 = 1e-3;
-/// Gap of the sum of violations, relative to it.
+/// Duality gap of the total violation, relative to it.
 const GAP: f64 = 1e-8;
 
 /// Examines base parameters.
 ///
 /// # Errors
-/// [`ConsistencyError`] for a wrong number of values and values that are not finite. Known values that the base parameters
-/// contradict, or that contradict each other, are left out.
+/// [`ConsistencyError`] for a wrong number of values and values that are not finite. Known values that contradict the base
+/// parameters or each other are left out.
 pub fn examine(set: &ConsistentSet, base: &BaseParameters, estimate: &[f64]) -> Result<Examination, ConsistencyError> {
     examine_within(set, base, estimate, GAP)
 }
 
-/// The same with a duality gap relative to what is lacking: 1e-3 says what is outside, and takes half the time.
+/// [`examine`] with a duality gap relative to the violation: 1e-3 is enough to name the violated conditions, and takes half the
+/// time.
 ///
 /// # Errors
 /// As [`examine`].
@@ -73,13 +74,13 @@ pub fn examine_within(
     Fibre::new(set, base, estimate)?.examine(gap)
 }
 
-/// The standard parameters with the same base parameters, by the unknowns that are left.
+/// The standard parameters with given base parameters, as a function of the remaining unknowns.
 struct Fibre<'a> {
     set: &'a ConsistentSet,
     elimination: Elimination,
     conditions: Vec<ConditionBlock>,
     heaviest: Block,
-    /// The limit of the mass in the unknowns, where the start is below it.
+    /// The limit of the mass in the unknowns, if the start satisfies it.
     limits: Vec<Block>,
     start: Vec<f64>,
     base: usize,
@@ -89,7 +90,7 @@ impl<'a> Fibre<'a> {
     fn new(set: &'a ConsistentSet, base: &BaseParameters, estimate: &[f64]) -> Result<Self, ConsistencyError> {
         let mut equalities = image(base, estimate);
         equalities.extend(set.known().equalities.iter().cloned());
-        // A free estimate misses what is fixed and it alone decides, such as one friction coefficient.
+        // A free estimate contradicts fixed values on which it alone depends, for example one friction coefficient.
         let elimination = Elimination::with(&equalities, set.scale(), base.len())?;
         let reduced = |c: ConditionBlock| ConditionBlock { block: elimination.block(&c.block), ..c };
         let conditions = set.conditions().into_iter().map(reduced).collect();
@@ -125,7 +126,8 @@ impl<'a> Fibre<'a> {
         Examination { margin, consistent, standard, smallest_eigenvalue, outside, combination }
     }
 
-    /// How the margin depends on each base parameter: `sum_k tr(Z_k dS_k)` over the standard parameters that it moves.
+    /// The derivatives of the margin with respect to each base parameter: `sum_k tr(Z_k dS_k)` over the standard parameters
+    /// that it moves.
     fn combination(&self, duals: &[Symmetric]) -> Vec<f64> {
         let mut slope = vec![0.0; self.set.scale().len()];
         let conditions = self.set.conditions().into_iter().map(|c| c.block);
@@ -137,7 +139,7 @@ impl<'a> Fibre<'a> {
 }
 
 impl Examination {
-    /// How many standard deviations the combination lies below zero; none for consistent parameters. `covariance` is
+    /// Number of standard deviations by which the combination is below zero; none for consistent parameters. `covariance` is
     /// the covariance of the base parameters.
     #[must_use]
     pub fn deviations(&self, covariance: &Matrix) -> Option<f64> {

@@ -18,19 +18,19 @@ pub struct LeastSquares {
     rest: f64,
 }
 
-/// What is known before the record, as a term of the objective.
+/// The prior information, as a term of the objective.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Prior {
-    /// Nothing: the least residual, wherever it is. Parameters that the data leave free, or nearly, can come out far from
-    /// any robot's; [`Prior::LogDet`] with a small weight keeps them near the a-priori ones.
+    /// No prior: the least residual. Parameters that the data determine weakly or not at all can be far from any robot's;
+    /// [`Prior::LogDet`] with a small weight keeps them near the a-priori ones.
     None,
     /// `weight |theta - theta_0|^2` over the inertial parameters of all links, each in its SI unit.
     Euclidean {
         /// Weight, in squares of the residual.
         weight: f64,
     },
-    /// `weight sum_l D(P_l | P_l0)`, the log-det divergence `D(P | P_0) = tr(P_0^-1 P) - log det(P_0^-1 P) - 4`, with the
-    /// same of the motor inertias that have an a-priori value.
+    /// `weight sum_l D(P_l | P_l0)`, the log-det divergence `D(P | P_0) = tr(P_0^-1 P) - log det(P_0^-1 P) - 4`, and the same
+    /// divergence of the motor inertias that have an a-priori value.
     LogDet {
         /// Weight, in squares of the residual.
         weight: f64,
@@ -40,7 +40,7 @@ pub enum Prior {
 /// A physically consistent estimate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConsistentFit {
-    /// All standard parameters, strictly inside the set, but for known values, which hold exactly.
+    /// All standard parameters, strictly inside the set, except for known values, which hold exactly.
     pub standard: Vec<f64>,
     /// `|A theta - b|^2 + rest`.
     pub squared_residual: f64,
@@ -48,12 +48,12 @@ pub struct ConsistentFit {
     pub objective: f64,
     /// Upper bound of the distance of the objective from the least one.
     pub gap: f64,
-    /// Whether the gap is as small as asked for.
+    /// Whether the gap is as small as requested.
     pub converged: bool,
-    /// Iterations, without those that find a point inside.
+    /// Iterations, without those that find an interior point.
     pub iterations: usize,
-    /// Trace of the change of `A theta` with b: how many parameters the data determine, where the conditions and the prior
-    /// leave them. Without both it is the rank of A.
+    /// Trace of the derivative of `A theta` with respect to b: the number of parameters that the data determine, given the
+    /// conditions and the prior. Without both it is the rank of A.
     pub effective_parameters: f64,
     /// The multipliers of the conditions, whose matrices are singular where the multiplier is not zero.
     pub multipliers: Vec<(Condition, Symmetric)>,
@@ -61,13 +61,14 @@ pub struct ConsistentFit {
 
 /// Duality gap, relative to the objective, at which a fit ends.
 const RELATIVE_GAP: f64 = 1e-10;
-/// The same relative to `|b|^2`, for data that are consistent, whose objective is zero.
+/// Duality gap relative to `|b|^2`, for data that are consistent, whose objective is zero.
 const ABSOLUTE_GAP: f64 = 1e-20;
-/// Part of the barrier's pull towards a-priori values that a fit keeps: enough to bound what the data leave free.
+/// Fraction of the barrier's pull towards a-priori values that a fit keeps: enough to bound parameters that the data leave
+/// free.
 const PULL: f64 = 1e-4;
-/// Part of the way from a start to the a-priori parameters that keeps the start off the boundary.
+/// Fraction of the way from a start to the a-priori parameters that keeps the start off the boundary.
 const TO_CENTRE: f64 = 0.1;
-/// Violation of a condition without unknowns, relative to its usual size, that is rounding.
+/// Violation of a condition without unknowns, relative to its usual size, below which it is rounding.
 const ROUNDING: f64 = 1e-9;
 
 impl LeastSquares {
@@ -112,9 +113,10 @@ impl LeastSquares {
         Self::in_base(r, r.times(estimate), base, count)
     }
 
-    /// The same with squares of residuals that no parameter changes, as what the triangular factor leaves.
+    /// The problem with an additional sum of squares that no parameter changes, such as the residual of a triangular
+    /// factorisation.
     #[must_use]
-    pub fn with_rest(self, rest: f64) -> Self {
+    pub fn with_residual_squares(self, rest: f64) -> Self {
         Self { rest, ..self }
     }
 
@@ -175,10 +177,10 @@ pub fn fit(
     Ok(result(data, &elimination, conditions, minimum))
 }
 
-/// Whether some parameters meet all conditions of a set with room to spare.
+/// Checks that some parameters satisfy all conditions of a set strictly.
 ///
 /// # Errors
-/// [`ConsistencyError`], which names known things that contradict each other or leave no room.
+/// [`ConsistencyError`], which names known values that contradict each other or leave no interior.
 pub fn require_interior(set: &ConsistentSet) -> Result<(), ConsistencyError> {
     let elimination = set.elimination()?;
     let conditions = reduced_conditions(set, &elimination)?;

@@ -1,4 +1,4 @@
-//! A-priori inertial parameters of a robot that has none, or not enough, from its geometry.
+//! A-priori inertial parameters from the geometry, for a robot without complete ones.
 
 use super::{
     fit::LeastSquares,
@@ -13,28 +13,29 @@ use thetahat_ground::{
 
 /// Mass of a robot per length of its links, kg/m: 14 kg/m for a KUKA LWR4+, 20 to 40 for industrial arms.
 const MASS_PER_LENGTH: f64 = 20.0;
-/// Length of a robot's links where all joints are at one place, m.
+/// Length of a robot's links if all joints are at one point, m.
 const USUAL_LENGTH: f64 = 0.3;
-/// Radius of a link relative to its length or, where that is larger, to the mean length.
+/// Radius of a link relative to its length or, if that is larger, to the mean length.
 const SLENDERNESS: f64 = 0.25;
-/// Smallest eigenvalue of a pseudo-inertia matrix, relative to the largest, of a body that is taken as it is.
+/// Smallest eigenvalue of a pseudo-inertia matrix, relative to the largest, with which a body is left unchanged.
 const THIN: f64 = 1e-9;
-/// First part of the guessed moments that is added to a link without volume; it is doubled until that is enough.
+/// First fraction of the guessed moments that is added to a link without volume; it is doubled until that is enough.
 const FIRST_PART: f64 = 0.125;
 
 /// The a-priori parameters of a robot, with pseudo-inertia matrices that are definite.
 ///
-/// A link with a mass and moments of a body keeps them. A link with a mass and moments of no body keeps mass and first
-/// moments, and takes on so much of the guessed second moments that the matrix is definite. A link without mass is guessed:
+/// A link with a mass and physically possible moments keeps them. A link with a mass and impossible moments keeps mass and
+/// first moments, and receives enough of the guessed second moments to make the matrix definite. A link without mass is
+/// guessed:
 ///
 /// * its length is the mean distance of the joints that it carries from its own, for the last link half the mean length
 ///   of the others;
-/// * its share of `total_mass` (default 20 kg per metre of all lengths) goes with the reach that it carries, the longest way
-///   from its joint to the tip, since a motor's size goes with its load;
-/// * it is a cylinder from its joint to those that it carries, the last one a sphere, with a quarter of its length as radius,
-///   but no less than a quarter of the mean length.
+/// * its share of `total_mass` (default 20 kg per metre of all lengths) is proportional to the reach that it carries, the
+/// longest path from its joint to the tip, because a motor's size grows with its load;
+/// * it is a cylinder from its joint to those that it carries, the last one a sphere, with a radius of a quarter of its length,
+/// but at least a quarter of the mean length.
 ///
-/// Motor inertias and friction stay as they are.
+/// Motor inertias and friction are unchanged.
 #[must_use]
 pub fn completed_a_priori(robot: &Robot, total_mass: Option<f64>) -> Vec<f64> {
     let table = robot.parameter_table();
@@ -54,7 +55,7 @@ pub fn completed_a_priori(robot: &Robot, total_mass: Option<f64>) -> Vec<f64> {
 
 /// The factor of all inertial parameters that fits the data best, with motor inertias, friction and offsets free.
 ///
-/// It turns guessed masses into masses of the size that the torques ask for. None where the data ask for no positive one.
+/// It scales guessed masses to the size of the torques. None if the best factor is not positive.
 #[must_use]
 pub fn mass_factor(data: &LeastSquares, table: &ParameterTable, a_priori: &[f64]) -> Option<f64> {
     let inertial = |i: usize| table.get(i).quantity.is_inertial();
@@ -73,7 +74,7 @@ pub fn mass_factor(data: &LeastSquares, table: &ParameterTable, a_priori: &[f64]
     (factor.is_finite() && factor > 0.0).then_some(factor)
 }
 
-/// A vector without its part along orthonormal ones, taken off twice for the rounding.
+/// A vector without its projection on orthonormal ones, subtracted twice because of rounding.
 fn without(basis: &[Vec<f64>], mut x: Vec<f64>) -> Vec<f64> {
     for b in basis.iter().chain(basis) {
         let along = dot(b, &x);
@@ -86,7 +87,7 @@ fn has_volume(p: &Symmetric) -> bool {
     matches!(p.eigenvalues().as_slice(), [smallest, .., largest] if *smallest > THIN * largest)
 }
 
-/// A link's pseudo-inertia matrix with guessed second moments added, or the guess where there is no mass.
+/// A link's pseudo-inertia matrix with guessed second moments added, or the guess if there is no mass.
 fn completed(given: &Symmetric, guess: &Symmetric) -> Symmetric {
     let (m, guessed) = (given.at(3, 3), guess.at(3, 3));
     if m.is_nan() || m <= 0.0 {
@@ -116,7 +117,7 @@ fn guessed_links(robot: &Robot, total_mass: Option<f64>) -> Vec<Symmetric> {
     (0..robot.joints.len()).map(link).collect()
 }
 
-/// The length of each link: mean distance to the joints it carries, half the mean of the others where it carries none.
+/// The length of each link: the mean distance to the joints it carries, or half the mean of the others if it carries none.
 fn lengths(children: &[Vec<&Joint>]) -> Vec<f64> {
     let distance = |joints: &Vec<&Joint>| {
         joints.iter().map(|j| norm(j.placement.origin)).sum::<f64>() / joints.len().max(1) as f64
@@ -128,7 +129,7 @@ fn lengths(children: &[Vec<&Joint>]) -> Vec<f64> {
     known.iter().map(|&l| if l > 0.0 { l } else { 0.5 * usual }).collect()
 }
 
-/// The longest way from each joint to a tip, along the lengths of the links.
+/// The longest path from each joint to a tip, along the lengths of the links.
 fn reaches(robot: &Robot, lengths: &[f64]) -> Vec<f64> {
     let mut reaches = lengths.to_vec();
     for k in (0..reaches.len()).rev() {
@@ -139,7 +140,7 @@ fn reaches(robot: &Robot, lengths: &[f64]) -> Vec<f64> {
     reaches
 }
 
-/// The pseudo-inertia matrix of equal solid cylinders from the origin to each end; a sphere where there is none.
+/// The pseudo-inertia matrix of equal solid cylinders from the origin to each end; a sphere if there are no ends.
 fn cylinder(mass: f64, ends: &[Vec3], radius: f64) -> Symmetric {
     let mut out = Symmetric::zeros(4);
     let count = ends.len().max(1) as f64;

@@ -1,4 +1,4 @@
-//! A point strictly inside all conditions, or the proof that there is none.
+//! A point strictly inside all conditions, or the proof that none exists.
 
 use super::{
     error::ConsistencyError,
@@ -19,16 +19,16 @@ pub(super) struct Margin {
 
 /// A margin that is enough to start from.
 const ENOUGH: f64 = 0.05;
-/// A margin that is none.
+/// A margin that counts as zero.
 const NONE: f64 = 1e-8;
 /// Gap of a margin, in units of the a-priori parameters.
 const GAP: f64 = 1e-10;
-/// Part of the largest violation that each condition is given beyond its own at the start.
+/// Fraction of the largest violation that is added to each condition's own at the start.
 const OFF_BOUNDARY: f64 = 0.1;
-/// Part of all multipliers that makes a condition one of those in conflict.
+/// Fraction of all multipliers above which a condition is in conflict.
 const IN_CONFLICT: f64 = 0.01;
 
-/// A point strictly inside: `start` itself, if it is.
+/// A point strictly inside: `start` itself if it is inside.
 pub(super) fn inside(conditions: &[ConditionBlock], start: Vec<f64>) -> Result<Vec<f64>, ConsistencyError> {
     if margin_of(conditions, &start) > NONE {
         return Ok(start);
@@ -76,7 +76,7 @@ pub(super) fn largest_margin(
     Ok(Margin { margin, y: x, duals })
 }
 
-/// What the conditions lack, each in units of its reference, where the sum is least.
+/// The violations of the conditions, each in units of its reference, where their sum is least.
 pub(super) struct Violations {
     pub(super) lacking: Vec<f64>,
     pub(super) y: Vec<f64>,
@@ -98,7 +98,7 @@ pub(super) fn least_violations(
     let matrix = Matrix::zeros(1, unknowns + many);
     let blocks = shifted.chain(limits.iter().cloned()).chain(bounds).collect();
     let program = Program { matrix, right_side: vec![0.0], linear, constant: 0.0, blocks };
-    // More than the point lacks keeps the start off the boundary.
+    // More than the point's violation, to keep the start off the boundary.
     let least: Vec<f64> = conditions.iter().map(|c| (-c.margin(y)).max(0.0)).collect();
     let some = OFF_BOUNDARY * least.iter().fold(1.0, |a: f64, b| a.max(*b));
     let start = y.iter().copied().chain(least.iter().map(|l| 1.5 * l + some)).collect();

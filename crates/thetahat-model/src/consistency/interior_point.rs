@@ -4,8 +4,8 @@
 //! constraints and the kept weight elsewhere. Every iterate lies strictly inside. A step solves
 //! `(2 A^T A + sum_k E_k^*(Z_k E_k S_k^-1)) dx = -grad phi`: Newton's method for `S_k Z_k = w_k I`, made symmetric as by
 //! Helmberg, Rendl, Vanderbei and Wolkowicz (1996). The matrix is positive definite for any definite `Z_k`, so dx descends
-//! on phi, and backtracking makes phi fall at every step. Where steps get short, `Z_k = w_k S_k^-1`, which is Newton's
-//! method on phi. nu falls when the Newton decrement says that the path is near (Boyd and Vandenberghe, *Convex
+//! on phi, and backtracking makes phi fall at every step. When steps get short, `Z_k = w_k S_k^-1` is used, which is Newton's
+//! method on phi. nu falls when the Newton decrement shows that the path is near (Boyd and Vandenberghe, *Convex
 //! Optimization*, chapter 11); at the end the duality gap is nu times the rows of the constraints.
 
 use super::{
@@ -19,13 +19,13 @@ use thetahat_ground::linear_algebra::{CholeskyFactor, Matrix, dot, norm};
 pub(super) struct Stop {
     /// Duality gap relative to the objective.
     pub(super) relative_gap: f64,
-    /// Duality gap that is small enough whatever the objective.
+    /// Duality gap that is small enough for any objective.
     pub(super) absolute_gap: f64,
-    /// An objective that is good enough.
+    /// An objective that is low enough.
     pub(super) objective: f64,
 }
 
-/// Where the iteration ended.
+/// The result of the iteration.
 #[derive(Debug, Clone)]
 pub(super) struct Minimum {
     pub(super) x: Vec<f64>,
@@ -36,9 +36,9 @@ pub(super) struct Minimum {
     /// The multiplier of each block.
     pub(super) duals: Vec<Symmetric>,
     pub(super) iterations: usize,
-    /// Whether the gap is as small as asked for, or the objective good enough.
+    /// Whether the gap is as small as requested, or the objective low enough.
     pub(super) converged: bool,
-    /// Newton's matrix at the end: half of it is the curvature of the objective in the directions that are free.
+    /// Newton's matrix at the end: half of it is the curvature of the objective in the free directions.
     pub(super) system: Option<ScaledSystem>,
 }
 
@@ -50,20 +50,20 @@ const WEIGHT_FACTOR: f64 = 0.1;
 const NEAR_PATH: f64 = 10.0;
 /// Squared Newton decrement, over the duality gap, below which the last point counts as on the path.
 const AT_END: f64 = 0.1;
-/// Part of the way to the boundary that a step may take.
+/// Fraction of the way to the boundary that a step may take.
 const TO_BOUNDARY: f64 = 0.95;
-/// Part of the descent promised by the slope that a step must achieve.
+/// Fraction of the descent predicted by the slope that a step must achieve.
 const SUFFICIENT: f64 = 1e-4;
-/// Part of the plain step's slope that the corrected one must keep.
+/// Fraction of the plain step's slope that the corrected one must keep.
 const STILL_DOWN: f64 = 0.1;
-/// A step below this is short: the multipliers are made anew.
+/// A step shorter than this is short: the multipliers are recomputed.
 const SHORT: f64 = 0.1;
-/// A step below this is none.
+/// A step shorter than this counts as zero.
 const NO_STEP: f64 = 1e-12;
-/// Changes of the barrier function below this part of it are rounding.
+/// Relative changes of the barrier function below this are rounding.
 const ROUNDING: f64 = 1e-13;
 
-/// A block at the iterate.
+/// A block at the current point.
 struct Slack {
     s: Symmetric,
     factor: Cholesky,
@@ -79,14 +79,14 @@ struct Iterate<'a> {
     weight: f64,
 }
 
-/// A Newton direction at weight nu is `fixed + nu varying`; likewise the slope that it belongs to.
+/// A Newton direction at weight nu is `fixed + nu varying`, and so is its slope.
 struct Directions {
     system: ScaledSystem,
     fixed: [Vec<f64>; 2],
     varying: [Vec<f64>; 2],
 }
 
-/// Minimises a program from a point strictly inside; none where the point is not.
+/// Minimises a program from a point strictly inside; none if the point is not inside.
 pub(super) fn minimise(program: &Program, start: Vec<f64>, stop: &Stop) -> Option<Minimum> {
     let mut iterate = Iterate::new(program, start)?;
     let rows = program.constraint_rows().max(1) as f64;
@@ -121,7 +121,7 @@ struct Step {
     dx: Vec<f64>,
     changes: Vec<Symmetric>,
     dual_changes: Vec<Symmetric>,
-    /// The largest part of the step that may be taken.
+    /// The largest fraction of the step that may be taken.
     limit: f64,
 }
 
@@ -210,7 +210,7 @@ impl<'a> Iterate<'a> {
         Some(Directions { system, fixed: [fixed, a], varying: [varying, b] })
     }
 
-    /// Takes the step as far as it leads inside and down; false where that is nowhere.
+    /// Takes the longest part of the step that stays inside and descends; false if there is none.
     ///
     /// The second-order correction of Mehrotra (1992) is tried first.
     fn step(&mut self, directions: &Directions) -> bool {
@@ -223,7 +223,7 @@ impl<'a> Iterate<'a> {
         taken || self.take(&plain, &slope)
     }
 
-    /// A step with the changes of blocks and multipliers that it stands for.
+    /// A step with the resulting changes of blocks and multipliers.
     fn towards(&self, dx: Vec<f64>, second_order: Option<&[Symmetric]>) -> Step {
         let changes: Vec<Symmetric> = self.program.blocks.iter().map(|block| block.change(&dx)).collect();
         let nearest = self.slacks.iter().zip(&changes).map(|(slack, ds)| slack.factor.smallest_ratio(ds));
@@ -237,7 +237,7 @@ impl<'a> Iterate<'a> {
         Step { dual_changes: blocks.map(of_dual).collect(), dx, changes, limit }
     }
 
-    /// The step with the products of changes, `sym(dZ dS S^-1)`, that the plain step leaves out.
+    /// The step with the products of changes, `sym(dZ dS S^-1)`, that the plain step neglects.
     fn corrected(&self, directions: &Directions, plain: &Step) -> Option<Step> {
         let product =
             |((slack, ds), dz): ((&Slack, &Symmetric), &Symmetric)| Symmetric::between(dz, ds, &slack.inverse);
@@ -249,7 +249,7 @@ impl<'a> Iterate<'a> {
         Some(self.towards(dx, Some(&terms)))
     }
 
-    /// Takes a step if it leads down.
+    /// Takes a step if it descends.
     fn take(&mut self, step: &Step, slope: &[f64]) -> bool {
         let descent = dot(slope, &step.dx);
         let Some(length) = self.backtrack(&step.dx, descent, step.limit) else { return false };
@@ -293,7 +293,7 @@ impl<'a> Iterate<'a> {
     }
 }
 
-/// The step that keeps a distance from the boundary, from the smallest eigenvalue of the relative change.
+/// The length of a step that keeps a distance from the boundary, from the smallest eigenvalue of the relative change.
 fn step_inside(smallest_ratio: f64) -> f64 {
     if smallest_ratio < 0.0 { (TO_BOUNDARY / -smallest_ratio).min(1.0) } else { 1.0 }
 }
@@ -325,17 +325,17 @@ impl Slack {
         target.plus(&self.dual, -1.0)
     }
 
-    /// The multiplier after its change, or as far as it stays definite.
+    /// The multiplier after its change, shortened so that it stays definite.
     fn next_dual(&self, change: &Symmetric) -> Symmetric {
         let Some(factor) = self.dual.cholesky() else { return self.dual.clone() };
         self.dual.plus(change, step_inside(factor.smallest_ratio(change)))
     }
 }
 
-/// A positive semidefinite system with its diagonal brought to one, factorised.
+/// A positive semidefinite system scaled to a unit diagonal, factorised.
 ///
-/// A multiple of the identity is added, as small as lets the factorisation succeed: it shortens the step in directions
-/// that nothing determines.
+/// The smallest multiple of the identity that lets the factorisation succeed is added: it shortens the step in directions that
+/// nothing determines.
 #[derive(Debug, Clone)]
 pub(super) struct ScaledSystem {
     factor: CholeskyFactor,
@@ -358,7 +358,7 @@ impl ScaledSystem {
         None
     }
 
-    /// None where the right side is not finite.
+    /// None if the right side is not finite.
     pub(super) fn solve(&self, right: &[f64]) -> Option<Vec<f64>> {
         let scaled = |x: &[f64]| x.iter().zip(&self.scale).map(|(x, s)| x * s).collect::<Vec<f64>>();
         let right = scaled(right);

@@ -1,7 +1,7 @@
 use super::{elimination::Equality, error::ConsistencyError};
 use crate::robot::{LinkQuantity, ParameterTable, Quantity};
 
-/// Something known of the standard parameters, as from a data sheet.
+/// A known property of the standard parameters, for example from a data sheet.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Known {
@@ -34,7 +34,7 @@ pub enum Known {
         link: usize,
         /// Lower corner, m.
         lower: [f64; 3],
-        /// Upper corner, m; equal to the lower one where a coordinate is known.
+        /// Upper corner, m; equal to the lower one if a coordinate is known.
         upper: [f64; 3],
     },
     /// A link is symmetric about the plane through its frame's origin that is normal to one axis.
@@ -75,10 +75,10 @@ const MASS: Quantity = Quantity::Link(LinkQuantity::M);
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl LinearConditions {
-    /// Adds what is known.
+    /// Adds a known property.
     ///
     /// # Errors
-    /// [`ConsistencyError`] for names, links and values that cannot be.
+    /// [`ConsistencyError`] for invalid names, links and values.
     pub(super) fn add(&mut self, table: &ParameterTable, known: &Known) -> Result<(), ConsistencyError> {
         match known {
             Known::Value { parameter, value } => self.sum(table, &[(parameter.clone(), 1.0)], *value),

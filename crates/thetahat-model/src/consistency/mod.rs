@@ -1,15 +1,15 @@
-//! Physically consistent parameters: standard parameters that a robot made of bodies can have.
+//! Physically consistent parameters: standard parameters that a robot made of rigid bodies can have.
 //!
 //! [`ConsistentSet`] is the set: the pseudo-inertia matrix of each link positive semidefinite, motor inertias and friction
-//! not below zero, and what is [`Known`] beside. Base parameters are consistent if some standard parameters of the set have
-//! them. [`fit`] finds the parameters of the set with the least squares, or nearest to an estimate, with a [`Prior`] or
-//! without; [`examine`] says whether and where an estimate is outside; [`nearest_to_simulate`] gives parameters for
-//! instruments, in the interior; [`completed_a_priori`] makes a-priori values where there are none.
+//! not below zero, and [`Known`] properties. Base parameters are consistent if some standard parameters of the set have
+//! them. [`fit`] finds the parameters of the set with the least squares, or nearest to an estimate, with or without a
+//! [`Prior`]; [`examine`] determines whether and where an estimate is outside; [`nearest_to_simulate`] gives parameters in the
+//! interior for instruments; [`completed_a_priori`] guesses missing a-priori values.
 //!
 //! Every problem is a small convex program, solved by a primal-dual interior-point method. Formulas, sources and the choice of the method: `docs/theory/physical_consistency.md`.
 //!
 //! ```
-//! use thetahat::{Robot, consistency::{ConsistentSet, completed_a_priori}};
+//! use thetahat_model::{consistency::{completed_a_priori, ConsistentSet}, robot::Robot};
 //!
 //! # let robot = "name = 'r'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n";
 //! # let robot = Robot::parse(robot, std::path::Path::new("r.toml")).unwrap();

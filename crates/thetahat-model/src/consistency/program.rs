@@ -1,5 +1,4 @@
-//! The convex problem behind every question of this room: a quadratic form over affine matrices that must be positive
-//! semidefinite.
+//! The convex problem of this module: a quadratic form over affine matrices that must be positive semidefinite.
 
 use super::symmetric::{Cholesky, Symmetric};
 use thetahat_ground::linear_algebra::{Matrix, dot};
@@ -19,12 +18,12 @@ pub(super) struct Term {
     pub(super) entries: Vec<(usize, usize, f64)>,
 }
 
-/// The convex function of a block, `weight D(S | S_ref) = weight (-log det S + tr(C S) + constant)`.
+/// A convex function of a block, `weight D(S | S_ref) = weight (-log det S + tr(C S) + constant)`.
 ///
 /// With a reference `C = S_ref^-1`, and the constant makes D zero at the reference; without, `C = 0`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Barrier {
-    /// Weight that stays; none for a constraint, whose weight falls to nearly zero on the way to the solution.
+    /// A constant weight; none for a constraint, whose weight falls to nearly zero during the solution.
     pub(super) weight: Option<f64>,
     pub(super) slope: Symmetric,
     pub(super) constant: f64,
@@ -32,7 +31,7 @@ pub(super) struct Barrier {
 
 /// Minimise `|A x - b|^2 + c^T x + constant` plus the divergences of the blocks that keep their weight.
 ///
-/// The objective must nowhere be negative.
+/// The objective must be nonnegative everywhere.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Program {
     pub(super) matrix: Matrix,
@@ -43,7 +42,7 @@ pub(super) struct Program {
 }
 
 impl Barrier {
-    /// That of a constraint, with the divergence from `reference` where there is one.
+    /// The barrier of a constraint, with the divergence from `reference` if given.
     pub(super) fn vanishing(size: usize, reference: Option<&Symmetric>) -> Self {
         Self::new(None, size, reference.and_then(Symmetric::cholesky).as_ref())
     }
@@ -60,12 +59,12 @@ impl Barrier {
         Self { weight, slope: factor.inverse(), constant: factor.log_determinant() - size as f64 }
     }
 
-    /// The same with a part of the pull towards the reference.
+    /// The barrier with a fraction of the pull towards the reference.
     pub(super) fn with_pull(self, part: f64) -> Self {
         Self { slope: self.slope.times(part), ..self }
     }
 
-    /// The weight where constraints have the weight `vanishing`.
+    /// The weight when constraints have the weight `vanishing`.
     pub(super) fn weight_at(&self, vanishing: f64) -> f64 {
         self.weight.unwrap_or(vanishing)
     }
@@ -77,7 +76,7 @@ impl Barrier {
 }
 
 impl Term {
-    /// The entries of a matrix that are not zero.
+    /// The nonzero entries of a matrix.
     pub(super) fn new(unknown: usize, matrix: &Symmetric) -> Self {
         let places = (0..matrix.size()).flat_map(|i| (0..=i).map(move |j| (i, j)));
         let entries = places.map(|(i, j)| (i, j, matrix.at(i, j))).filter(|(_, _, v)| *v != 0.0).collect();
@@ -142,7 +141,7 @@ impl Program {
         slope.iter().zip(&self.linear).map(|(a, c)| -2.0 * a - c).collect()
     }
 
-    /// Rows of all constraint blocks: the duality gap at barrier weight nu is nu times this.
+    /// Number of rows of all constraint blocks: the duality gap at barrier weight nu is nu times this.
     pub(super) fn constraint_rows(&self) -> usize {
         self.blocks.iter().filter(|b| b.barrier.weight.is_none()).map(|b| b.constant.size()).sum()
     }

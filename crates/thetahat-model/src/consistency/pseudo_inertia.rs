@@ -1,9 +1,9 @@
-//! The pseudo-inertia matrix of a link, and back.
+//! The pseudo-inertia matrix of a link, and its inverse transformation.
 
 use super::symmetric::Symmetric;
 use crate::robot::{INERTIAL, LinkQuantity};
 
-/// The place of each inertial parameter in the pseudo-inertia matrix, by entries on and below the diagonal.
+/// The entries of each inertial parameter in the pseudo-inertia matrix, on and below the diagonal.
 ///
 /// `P = [[Sigma, h], [h^T, m]]` with the second moments `Sigma = tr(I)/2 1 - I`, the inertia tensor I about the origin of
 /// the link's frame and the first moments `h = (mx, my, mz)` (Wensing, Kim and Slotine 2018, equation (12)).

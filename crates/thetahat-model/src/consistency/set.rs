@@ -12,7 +12,7 @@ use crate::{
     robot::{Bound, INERTIAL, JointQuantity, LinkQuantity, MotorQuantity, ParameterTable, Quantity, Robot, Role},
 };
 
-/// The standard parameters that a robot can have: the physically consistent set, with what is known beside.
+/// The physically consistent set: the standard parameters that a robot can have, with known properties.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConsistentSet {
     table: ParameterTable,
@@ -25,7 +25,7 @@ pub struct ConsistentSet {
     motors: Vec<MotorMatrix>,
 }
 
-/// What must not be negative, or positive semidefinite.
+/// A quantity that must be nonnegative or positive semidefinite.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Condition {
     /// The pseudo-inertia matrix of a link, from one.
@@ -34,7 +34,7 @@ pub enum Condition {
     Parameter(String),
     /// The joint-space matrix of motor inertias or of their viscous friction, with its coupling.
     CoupledMotors(Quantity),
-    /// A bound of something known.
+    /// A bound of a known property.
     Bound(String),
 }
 
@@ -54,9 +54,9 @@ struct MotorMatrix {
     terms: Vec<Term>,
 }
 
-/// Usual friction, N m s/rad and N m: only its order of magnitude matters, and only on the way to a solution.
+/// Usual friction, N m s/rad and N m: only its order of magnitude matters, and only during the solution.
 const USUAL_FRICTION: f64 = 1.0;
-/// Part of a joint's friction or inertia that a coupled motor usually has.
+/// Usual fraction of a joint's friction or inertia in a coupled motor.
 const COUPLED_PART: f64 = 0.5;
 /// Smallest eigenvalue of an a-priori pseudo-inertia, relative to its largest, that counts as definite.
 const DEFINITE: f64 = 1e-12;
@@ -74,7 +74,7 @@ impl std::fmt::Display for Condition {
 impl ConsistentSet {
     /// The set of a robot: pseudo-inertia matrices positive semidefinite, motor inertias and friction not below zero.
     ///
-    /// `a_priori` are standard parameters whose pseudo-inertia matrices are definite, as of
+    /// `a_priori` are standard parameters whose pseudo-inertia matrices are definite, for example those of
     /// [`completed_a_priori`](super::completed_a_priori).
     ///
     /// # Errors
@@ -100,7 +100,7 @@ impl ConsistentSet {
         Ok(set)
     }
 
-    /// The same set, with each pseudo-inertia matrix and motor inertia at least `interior` times the a-priori one.
+    /// The set with each pseudo-inertia matrix and motor inertia at least `interior` times the a-priori one.
     ///
     /// # Errors
     /// [`ConsistencyError::BadValue`] unless `0 <= interior < 1`.
@@ -113,11 +113,11 @@ impl ConsistentSet {
         Ok(self)
     }
 
-    /// The part of the set in which something known holds.
+    /// The part of the set in which a known property holds.
     ///
     /// # Errors
-    /// [`ConsistencyError`] for names, links and values that cannot be. Known things that contradict each other are found when
-    /// the set is used.
+    /// [`ConsistencyError`] for invalid names, links and values. Contradictions between known properties are found when the set
+    /// is used.
     pub fn with_known(mut self, known: &Known) -> Result<Self, ConsistencyError> {
         self.known.add(&self.table, known)?;
         Ok(self)
@@ -126,7 +126,7 @@ impl ConsistentSet {
     /// The part of the set in which base parameters lie between two bounds each, in their order; equal bounds fix one.
     ///
     /// # Errors
-    /// [`ConsistencyError`] for a number of bounds that is not that of the parameters, and for bounds in the wrong order.
+    /// [`ConsistencyError`] if the number of bounds differs from that of the parameters, and for bounds in the wrong order.
     pub fn with_base_between(mut self, base: &BaseParameters, bounds: &[[f64; 2]]) -> Result<Self, ConsistencyError> {
         if bounds.len() != base.len() {
             let (expected, found) = (base.len(), bounds.len());
@@ -151,7 +151,7 @@ impl ConsistentSet {
         &self.a_priori
     }
 
-    /// How far inside each condition is: the largest t with its matrix at least t times that of usual parameters.
+    /// The margin of each condition: the largest t with its matrix at least t times that of usual parameters.
     #[must_use]
     pub fn margins(&self, standard: &[f64]) -> Vec<(Condition, f64)> {
         self.conditions().into_iter().map(|c| (c.condition.clone(), c.margin(standard))).collect()
@@ -197,7 +197,7 @@ impl ConsistentSet {
         Some(Block { constant: Symmetric::zeros(4), terms: self.link_terms(k), barrier })
     }
 
-    /// The same of the motor inertias that have an a-priori value: `D(s | s_0) = s / s_0 - log(s / s_0) - 1`.
+    /// The divergence of the motor inertias that have an a-priori value: `D(s | s_0) = s / s_0 - log(s / s_0) - 1`.
     pub(super) fn motor_divergences(&self, weight: f64) -> Vec<Block> {
         let given = |i: &usize| {
             let quantity = self.table.get(*i).quantity;
@@ -211,7 +211,7 @@ impl ConsistentSet {
         (0..self.table.len()).filter(given).filter_map(block).collect()
     }
 
-    /// `factor` times the a-priori mass of all links, less their mass: not negative for robots that are not heavier.
+    /// `factor` times the a-priori mass of all links, less their mass: nonnegative for robots that are not heavier.
     pub(super) fn mass_limit(&self, factor: f64) -> Block {
         let mass = |k: usize| self.table.index(Quantity::Link(LinkQuantity::M), k);
         let masses: Vec<usize> = (0..self.links).filter_map(mass).collect();
@@ -251,7 +251,7 @@ impl ConsistentSet {
         )
     }
 
-    /// The a-priori value, or for want of one the link's own inertia or mass, or a usual friction.
+    /// The a-priori value, or otherwise the link's own inertia or mass, or a usual friction.
     fn usual_size(&self, i: usize) -> f64 {
         let parameter = self.table.get(i);
         let p = self.pseudo_inertia_of(parameter.number - 1, &self.a_priori);
@@ -321,7 +321,7 @@ impl ConditionBlock {
         factor.map_or(f64::NEG_INFINITY, |factor| factor.smallest_ratio(&self.block.value(y)))
     }
 
-    /// The same with a multiple of the identity as reference: `unit` for links, so that no link counts more than another.
+    /// The condition with a multiple of the identity as reference: `unit` for links, so that all links have equal weight.
     pub(super) fn with_even_reference(&self, unit: f64) -> Self {
         let size = self.reference.size();
         let mean = (0..size).map(|i| self.reference.at(i, i)).sum::<f64>() / size as f64;
@@ -349,7 +349,7 @@ fn motor_matrices(robot: &Robot, table: &ParameterTable) -> Vec<MotorMatrix> {
         .collect()
 }
 
-/// None where no motor is coupled, or friction depends on the direction, so that there is no one coefficient of a joint.
+/// None if no motor is coupled, or if friction depends on the direction, so that a joint has more than one coefficient.
 fn motor_matrix(
     robot: &Robot,
     table: &ParameterTable,

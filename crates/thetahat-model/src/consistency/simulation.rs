@@ -6,10 +6,10 @@ use super::{
 use crate::base_parameters::BaseParameters;
 use thetahat_ground::linear_algebra::{Matrix, dot};
 
-/// How far from the boundary of the set parameters to simulate are.
+/// Distance of simulation parameters from the boundary of the set.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SimulationOptions {
-    /// Each pseudo-inertia matrix and motor inertia is at least this part of the a-priori one.
+    /// Each pseudo-inertia matrix and motor inertia is at least this fraction of the a-priori one.
     pub interior: f64,
     /// Weight of the log-det divergence from the a-priori parameters, relative to `|R theta_hat|^2`.
     pub pull: f64,
@@ -21,14 +21,14 @@ impl Default for SimulationOptions {
     }
 }
 
-/// The parameters to simulate with for instruments: of the interior of the set, those nearest to an estimate.
+/// The parameters to simulate with for instruments: the nearest to an estimate in the interior of the set.
 ///
 /// They minimise `|R (K theta - theta_hat)|^2 + pull |R theta_hat|^2 sum_l D(P_l | P_l0)` over
-/// `P_l >= interior P_l0`, R the triangular factor of the regression in base parameters. `before` is the result of the
-/// iteration before, from which the search starts.
+/// `P_l >= interior P_l0`, R the triangular factor of the regression in base parameters. `before` is the result of the previous
+/// iteration, from which the search starts.
 ///
-/// The mass matrix of the result is positive definite in every configuration. Instruments need not be the estimate's own:
-/// any simulator that does not know the noise is valid, and a close one is efficient.
+/// The mass matrix of the result is positive definite in every configuration. Instruments need not be simulated with the
+/// estimate itself: any simulator independent of the noise is valid, and a close one is efficient.
 ///
 /// # Errors
 /// As [`fit`], and for an `interior` that is not between 0 and 1.

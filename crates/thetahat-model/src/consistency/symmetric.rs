@@ -1,11 +1,11 @@
-//! Symmetric matrices of a few rows, as the pseudo-inertia matrix has, with their Cholesky factors.
+//! Small symmetric matrices, such as the pseudo-inertia matrix, with their Cholesky factors.
 
 use thetahat_ground::linear_algebra::dot;
 
-/// Sweeps of rotations at most; five are usual.
+/// Most sweeps of rotations; five are usual.
 const SWEEPS: usize = 30;
 
-/// A symmetric matrix of a few rows, all entries stored row by row.
+/// A small symmetric matrix, all entries stored row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Symmetric {
     size: usize,
@@ -73,10 +73,10 @@ impl Symmetric {
         dot(&self.values, &other.values)
     }
 
-    /// Eigenvalues, rising; none where an entry is not finite.
+    /// Eigenvalues, rising; none if an entry is not finite.
     ///
-    /// Jacobi's rotations (Golub and Van Loan, *Matrix Computations*, section 8.5): for four rows a tenth of the time of a
-    /// general method.
+    /// Jacobi's rotations (Golub and Van Loan, *Matrix Computations*, section 8.5): for four rows they take a tenth of the time
+    /// of a general method.
     #[must_use]
     pub fn eigenvalues(&self) -> Vec<f64> {
         if !self.values.iter().all(|v| v.is_finite()) {
@@ -118,7 +118,7 @@ impl Symmetric {
         }
     }
 
-    /// The smallest eigenvalue; NaN where an entry is not finite.
+    /// The smallest eigenvalue; NaN if an entry is not finite.
     #[must_use]
     pub fn smallest_eigenvalue(&self) -> f64 {
         self.eigenvalues().first().copied().unwrap_or(f64::NAN)
@@ -166,7 +166,7 @@ impl Symmetric {
         out.symmetrised()
     }
 
-    /// The Cholesky factor; none where the matrix is not positive definite.
+    /// The Cholesky factor; none if the matrix is not positive definite.
     pub(super) fn cholesky(&self) -> Option<Cholesky> {
         let n = self.size;
         let mut lower = vec![0.0; n * n];

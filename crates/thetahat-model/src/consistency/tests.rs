@@ -13,7 +13,7 @@ use thetahat_ground::linear_algebra::{Matrix, PivotedQr};
 
 const TX40: &str = include_str!("../../../thetahat/demo/tx40.toml");
 
-/// As `robots/two_joint.toml`, which lies outside the package.
+/// The content of `robots/two_joint.toml`, which lies outside the package.
 const TWO_JOINT: &str = r#"
 name = "two-joint arm"
 friction = "symmetric"
@@ -383,7 +383,7 @@ fn seven_axes() -> String {
     text + "</robot>"
 }
 
-/// X of a slow motion in base parameters, whose accelerations say little against this noise, and the LS estimate.
+/// X of a slow motion in base parameters, whose accelerations are small relative to this noise, and the LS estimate.
 fn noisy_estimate(robot: &Robot, set: &ConsistentSet, noise: f64) -> (BaseParameters, Matrix, Vec<f64>) {
     let (model, base) = (Model::new(robot), base_of(robot));
     let (columns, n, rows) = (base.columns(), model.coordinate_count(), 60);
@@ -407,8 +407,8 @@ fn noisy_estimate(robot: &Robot, set: &ConsistentSet, noise: f64) -> (BaseParame
     (base, x.triangular_factor(), estimate)
 }
 
-/// Of an estimate that no robot has, the parameters to simulate have a definite mass matrix in every configuration, and
-/// no others of the interior are nearer.
+/// For a physically impossible estimate, the parameters to simulate have a definite mass matrix in every configuration, and no
+/// other interior point is nearer.
 fn assert_simulatable(robot: &Robot, noise: f64) {
     let set = set_of(robot);
     let (base, r, estimate) = noisy_estimate(robot, &set, noise);
@@ -418,7 +418,7 @@ fn assert_simulatable(robot: &Robot, noise: f64) {
     assert!(found.converged);
     let model = Model::new(robot);
     let n = model.coordinate_count();
-    let parameters = DynamicParameters::new(&model, &found.standard);
+    let parameters = DynamicParameters::sorted(&model, &found.standard);
     let (mut workspace, mut m) = (Workspace::new(&model), vec![0.0; n * n]);
     for k in 0..50 {
         let q: Vec<f64> = (0..n).map(|j| 3.0 * (1.9 * k as f64 + 0.7 * j as f64).sin()).collect();
@@ -455,7 +455,8 @@ fn conditions_take_effective_parameters_from_the_data() {
     let inside = LeastSquares::in_standard(mixing(n), mixing(n).times(&theta));
     let free = fit(&set, &inside, Prior::None, None).unwrap().effective_parameters;
     assert!((free - n as f64).abs() < 1e-6, "{free}");
-    // Friction below zero ends at zero and is one parameter less; a large prior leaves the data none of the inertias.
+    // Friction below zero ends at zero, which leaves one parameter less; with a strong prior the data determine none of the
+    // inertias.
     let mut outside = theta.clone();
     outside[set.parameter_table().index_of("fv1").unwrap()] = -3.0;
     let identity = LeastSquares::in_standard(Matrix::identity(n), outside);

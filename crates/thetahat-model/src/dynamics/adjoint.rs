@@ -1,4 +1,4 @@
-//! The way back: how a number that depends on the links' motion and twists depends on the coordinates.
+//! Reverse mode: derivatives of a scalar of the links' motion and twists with respect to the coordinates.
 
 use super::{
     geometry::JointGeometry, model::Model, motion::LinkMotion, state::State, twist::Twist, workspace::Workspace,
@@ -8,7 +8,7 @@ use thetahat_ground::{
     vector::{Mat3, Vec3, add, constant_times, cross, dot, scale},
 };
 
-/// The derivatives of a number by velocities and accelerations of the links, and by unit twists, in the places of a
+/// The derivatives of a scalar with respect to velocities and accelerations of the links and to unit twists, in the layout of a
 /// [`Workspace`].
 #[derive(Debug, Clone)]
 pub(crate) struct Adjoint<T = f64> {
@@ -16,7 +16,7 @@ pub(crate) struct Adjoint<T = f64> {
     pub(crate) twists: Vec<Twist<T>>,
 }
 
-/// The derivatives by `w`, `dw` and `dv` of a link, in its frame.
+/// The derivatives with respect to `w`, `dw` and `dv` of a link, in its frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LinkAdjoint<T = f64> {
     pub(crate) w: Vec3<T>,
@@ -63,7 +63,7 @@ impl<T: Real> Adjoint<T> {
     }
 }
 
-/// What a joint hands back.
+/// The derivatives of one joint.
 struct Slopes<T> {
     q: T,
     dq: T,
@@ -71,8 +71,8 @@ struct Slopes<T> {
 }
 
 impl Model {
-    /// Adds to `slopes` the derivatives by `q`, `dq` and `ddq` of a number whose derivatives by the links' motion and twists
-    /// are given. The workspace holds motion and twists of the state; the adjoint is used up.
+    /// Adds to `slopes` the derivatives with respect to `q`, `dq` and `ddq` of a scalar whose derivatives with respect to the
+    /// links' motion and twists are given. The workspace holds motion and twists of the state; the adjoint is overwritten.
     #[inline(always)]
     pub(crate) fn pull_back<T: Real>(
         &self,
@@ -93,7 +93,7 @@ impl Model {
         }
     }
 
-    /// The slopes of one joint; the rest goes to the parent link.
+    /// The slopes of one joint; the remaining adjoint is passed to the parent link.
     #[inline(always)]
     fn pull_back_joint<T: Real>(
         &self,
@@ -119,7 +119,7 @@ impl Model {
                 slopes.q += joint.turned(twist.angular, of_twist.angular) + joint.turned(twist.linear, of_twist.linear);
                 let of_linear = link.r.times(of_twist.linear);
                 let of_angular = add(link.r.times(of_twist.angular), cross(link.p, of_linear));
-                // Where the joint slides its own twist has no angular part; where it turns p does not move.
+                // The twist of a prismatic joint has no angular part; for a revolute joint p does not move.
                 of_p = add(of_p, cross(of_linear, link.r.times(twist.angular)));
                 let back = Twist { angular: of_angular, linear: of_linear };
                 let back = match &joint.turn {
@@ -144,8 +144,8 @@ impl Model {
     }
 }
 
-/// From the adjoints of the parent's motion as it is seen at the joint, in the link's frame, to those in the frame before,
-/// with that of the joint's origin.
+/// Transforms the adjoints of the parent's motion, seen at the joint, from the link's frame to the frame before, including that
+/// of the joint's origin.
 #[inline(always)]
 fn carried_back<T: Real>(
     link: &LinkMotion<T>,
@@ -164,8 +164,8 @@ fn carried_back<T: Real>(
 }
 
 impl JointGeometry {
-    /// What the joint's own rates take of the adjoint of its link, and the adjoint of the parent's motion as it is seen in
-    /// the link's frame.
+    /// The derivatives with respect to the joint's own rates, and the adjoint of the parent's motion as seen in the link's
+    /// frame.
     #[inline(always)]
     fn pull_back_rates<T: Real>(
         &self,
@@ -189,7 +189,7 @@ impl JointGeometry {
         }
     }
 
-    /// The derivative of `a . R^T x` by the angle, for `y = R^T x`: zero where the joint slides.
+    /// The derivative of `a . R^T x` with respect to the angle, for `y = R^T x`: zero for a prismatic joint.
     #[inline(always)]
     fn turned<T: Real>(&self, y: Vec3<T>, a: Vec3<T>) -> T {
         if self.revolute { a[0] * y[1] - a[1] * y[0] } else { a[0].like(0.0) }

@@ -4,7 +4,7 @@ use thetahat_ground::real::Real;
 /// A motor that turns with more than one coordinate, as row i of `n` (design: motor velocity `n dq`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct CoupledMotor {
-    /// Its number from zero, which is the number of its own joint.
+    /// Its number from zero, equal to that of its own joint.
     pub motor: usize,
     /// The coordinates that move it, with their weights in `n`.
     pub weights: Vec<(usize, f64)>,
@@ -17,7 +17,7 @@ impl CoupledMotor {
         self.weights.iter().map(|&(j, w)| w * dq[j]).sum()
     }
 
-    /// The same, or the acceleration, in each lane.
+    /// The motor's velocity or acceleration in each lane.
     #[inline(always)]
     pub(crate) fn rate<T: Real>(&self, rates: &[T]) -> T {
         let mut sum = rates[0].like(0.0);

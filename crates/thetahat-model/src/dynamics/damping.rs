@@ -1,4 +1,4 @@
-//! How the torques of the drives change with the velocities: exactly, from the kernel that gives them.
+//! Derivatives of the drives' torques with respect to velocities: exact, from the torque kernel.
 
 use super::{model::Model, parameters::DynamicParameters, sign::Sign, state::State};
 use thetahat_ground::real::Dual;
@@ -15,10 +15,11 @@ pub struct DampingWorkspace {
 }
 
 impl Model {
-    /// `D = d tau / d dq` of friction, n by n, row by row, in a state: by dual numbers, so that every term of the
-    /// drives is in it.
+    /// `D = d tau / d dq` of friction, n by n, row by row, in a state: by dual numbers, so that it includes every term of the
+    /// drives.
     ///
-    /// Without coupled motors and torque terms each coordinate's friction depends on its own velocity alone, and one pass gives the diagonal.
+    /// Without coupled motors and torque terms each coordinate's friction depends on its own velocity only, and one pass gives
+    /// the diagonal.
     #[doc(hidden)]
     pub fn damping_into(
         &self,
@@ -63,12 +64,12 @@ mod tests {
                            matrix = [[45, 0], [32, 32]]\n[parameters]\n\
                            fv1 = 0.4\nfc1 = 0.2\nfv2 = 0.1\nfc2 = 0.3\nfcm2 = 0.25\nfvm2 = 0.15\n";
 
-    /// Without inertia, inverse dynamics is the friction alone: its central differences are D.
+    /// Without inertia, inverse dynamics is only friction: its central differences are D.
     #[test]
     fn damping_is_the_derivative_of_friction() {
         let robot = Robot::parse(COUPLED, Path::new("robot.toml")).unwrap();
         let model = Model::new(&robot);
-        let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+        let parameters = DynamicParameters::sorted(&model, &robot.a_priori_parameters());
         let sign = Sign::Smooth { scale: 0.05 };
         let mut workspace = Workspace::new(&model);
         let mut torques = |dq: &[f64]| {

@@ -1,4 +1,4 @@
-//! Forward dynamics for one state or states side by side.
+//! Forward dynamics for one state, or for one state in each lane.
 
 use super::{
     model::Model, parameters::DynamicParameters, sign::Sign, solve::solve_positive_definite, state::State,
@@ -7,8 +7,8 @@ use super::{
 use thetahat_ground::real::{Parameter, Real};
 
 impl Model {
-    /// The accelerations `ddq` that torques `tau` give, for one state or states side by side. The error is the coordinate
-    /// and the pivots, of which one is not positive.
+    /// The accelerations `ddq` of torques `tau`, for one state or one in each lane. The error is the coordinate and the pivots,
+    /// of which one is not positive.
     #[inline(always)]
     #[doc(hidden)]
     pub fn forward_dynamics_of<T: Real, P: Parameter<T>>(

@@ -1,12 +1,12 @@
-//! Where the frames of the joints stand.
+//! The frames of the joints.
 
 use super::{geometry::BASE, model::Model};
 use thetahat_ground::vector::{Mat3, Vec3, add, cross, dot, product, scale, times};
 
-/// A vector of the z axis of a frame.
+/// The z axis of a frame in its own coordinates.
 const Z: Vec3 = [0.0, 0.0, 1.0];
 
-/// A joint's frame in that of the base.
+/// A joint's frame relative to the base.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct JointFrame {
     /// Its axes as columns.
@@ -37,7 +37,7 @@ impl Model {
         frames
     }
 
-    /// Adds the derivatives by the coordinates of a point's position along a direction; joint `j` moves the point.
+    /// Adds the derivatives of a point's position along a direction with respect to the coordinates; joint `j` moves the point.
     pub(crate) fn add_point_slopes(
         &self,
         frames: &[JointFrame],
@@ -71,7 +71,7 @@ impl Model {
         (origin, axis)
     }
 
-    /// The joint that carries joint `j`; none for one on the base.
+    /// The joint that carries joint `j`; none for a joint on the base.
     #[doc(hidden)]
     pub fn carrier(&self, j: usize) -> Option<usize> {
         Some(self.joints[j].parent).filter(|parent| *parent != BASE)
@@ -117,7 +117,7 @@ a_m = 0.4
         let (origin, axis) = model.frame(2, &[quarter, quarter, 0.1]);
         assert!(close(origin, [0.1, 0.0, 0.9]) && close(axis, [1.0, 0.0, 0.0]), "{origin:?} {axis:?}");
         assert_eq!([0, 1, 2].map(|j| model.carrier(j)), [None, Some(0), Some(1)]);
-        // All frames at once are the same, and a point of the slide moves as differences say.
+        // All frames at once are the same, and the slopes of a point of the slide agree with differences.
         let q = [0.3, -0.7, 0.2];
         let frames = model.frames(&q);
         for (j, frame) in frames.iter().enumerate() {

@@ -13,15 +13,15 @@ use thetahat_ground::{
 /// The parent of joints on the base: beyond any joint, so that `get` finds none.
 pub(super) const BASE: usize = usize::MAX;
 
-/// A joint as the kernels need it: its placement with the sines taken, and the coordinate that moves it.
+/// A joint as the kernels need it: its placement with precomputed sines, and the coordinate that moves it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct JointGeometry {
     pub(super) revolute: bool,
     /// The joint whose link carries it, or [`BASE`].
     pub(super) parent: usize,
-    /// Whether that is the joint before it in the list.
+    /// Whether the parent is the previous joint in the list.
     pub(super) continues_chain: bool,
-    /// `Rot(z, gamma)`, from the frame before to the one in which `origin` and the rotations are; none where gamma is zero.
+    /// `Rot(z, gamma)`, from the frame before to the one in which `origin` and the rotations are given; none if gamma is zero.
     pub(super) turn: Option<Turn>,
     sin_alpha: f64,
     cos_alpha: f64,
@@ -55,7 +55,7 @@ impl JointGeometry {
         }
     }
 
-    /// Rotation from the joint's frame to the turned one before, and its origin there, at the coordinates `q`.
+    /// Rotation from the joint's frame to the turned frame before, and its origin there, at the coordinates `q`.
     #[inline(always)]
     pub(super) fn placement<T: Real>(&self, q: &[T]) -> (Rotation<T>, Vec3<T>) {
         let q = self.moved_by.position(q);
@@ -69,13 +69,13 @@ impl JointGeometry {
         (Rotation { sin_alpha: self.sin_alpha, cos_alpha: self.cos_alpha, sin_theta, cos_theta }, p)
     }
 
-    /// The joint's axis in the turned frame before, along which a sliding joint moves.
+    /// The joint's axis in the turned frame before, along which a prismatic joint moves.
     #[inline(always)]
     pub(super) fn sliding_axis<T: Real>(&self, kind: T) -> Vec3<T> {
         in_lanes(kind, [0.0, -self.sin_alpha, self.cos_alpha])
     }
 
-    /// A vector of the frame before, in the turned one.
+    /// Transforms a vector of the frame before to the turned frame.
     #[inline(always)]
     pub(super) fn turned_back<T: Real>(&self, x: Vec3<T>) -> Vec3<T> {
         match &self.turn {
@@ -91,7 +91,7 @@ impl JointGeometry {
         if self.revolute { Twist { angular: z, linear: zero } } else { Twist { angular: zero, linear: z } }
     }
 
-    /// Propagates motion from the parent link to the link behind the joint.
+    /// Propagates motion from the parent link to the joint's link.
     #[inline(always)]
     pub(super) fn propagate<T: Real>(
         &self,

@@ -20,12 +20,12 @@ pub(super) struct Wrench<T = f64> {
 }
 
 impl Inertial {
-    /// From the order of [`crate::robot::INERTIAL`].
+    /// From the ten parameters in the order of [`crate::robot::INERTIAL`].
     pub(super) fn from_vector([xx, xy, xz, yy, yz, zz, mx, my, mz, m]: [f64; 10]) -> Self {
         Self { inertia: [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], ms: [mx, my, mz], m }
     }
 
-    /// From the link's own axes to its joint's frame, where they differ.
+    /// Transforms from the link's own axes to its joint's frame, if they differ.
     pub(super) fn in_joint_axes(self, link_axes: Option<&Mat3>) -> Self {
         let Some(axes) = link_axes else { return self };
         Self { inertia: turned(axes, &self.inertia), ms: times(axes, self.ms), m: self.m }
@@ -33,7 +33,7 @@ impl Inertial {
 }
 
 impl<P: Copy> Inertial<P> {
-    /// As numbers of the kernels.
+    /// The parameters as numbers of the kernels.
     #[inline(always)]
     pub(super) fn in_lanes<T: Real>(&self, kind: T) -> Inertial<T>
     where
@@ -47,7 +47,7 @@ impl<P: Copy> Inertial<P> {
         }
     }
 
-    /// Number by number, each from the same number of scalar parameters.
+    /// The parameters, each computed from the same one of several scalar sets.
     #[inline(always)]
     pub(super) fn from_numbers(number: impl Fn(&dyn Fn(&Inertial) -> f64) -> P) -> Self {
         Self {
@@ -59,7 +59,7 @@ impl<P: Copy> Inertial<P> {
 }
 
 impl<T: Real> Inertial<T> {
-    /// Force and moment about the frame's origin that move the link: `F = m dv + dw x ms + w x (w x ms)`,
+    /// Force and moment about the frame's origin that accelerate the link: `F = m dv + dw x ms + w x (w x ms)`,
     /// `N = J dw + w x J w + ms x dv`.
     #[inline(always)]
     pub(super) fn wrench(&self, link: &LinkMotion<T>) -> Wrench<T> {
@@ -82,7 +82,7 @@ impl<T: Real> Inertial<T> {
         }
     }
 
-    /// The same body about the origin of the frame before.
+    /// The body about the origin of the frame before.
     ///
     /// With the first moments rotated to `s = R ms`: `J' = R J R^T + (2 p.s + m p.p) 1 - (p s^T + s p^T + m p p^T)`.
     #[inline(always)]
@@ -117,13 +117,13 @@ impl<T: Real> Inertial<T> {
 }
 
 impl<T: Real> Wrench<T> {
-    /// The component that the joint's drive carries.
+    /// The component transmitted to the joint's drive.
     #[inline(always)]
     pub(super) fn along(&self, revolute: bool) -> T {
         if revolute { self.moment[2] } else { self.force[2] }
     }
 
-    /// The same wrench about the origin of the frame before.
+    /// The wrench about the origin of the frame before.
     #[inline(always)]
     pub(super) fn moved_to_parent(&self, link: &LinkMotion<T>, turn: Option<&Turn>) -> Self {
         let force = link.r.times(self.force);

@@ -1,4 +1,4 @@
-//! Recursive Newton-Euler with the torques of the drives, for one state or states side by side.
+//! Recursive Newton-Euler with the torques of the drives, for one state or one in each lane.
 
 use super::{
     model::Model,
@@ -10,7 +10,7 @@ use super::{
 use thetahat_ground::real::{Parameter, Real};
 
 impl Model {
-    /// The torques `tau` of a motion, for one state or states side by side.
+    /// The torques `tau` of a motion, for one state or one in each lane.
     #[inline(always)]
     pub(super) fn inverse_dynamics_of<T: Real, P: Parameter<T>>(
         &self,
@@ -26,7 +26,7 @@ impl Model {
         self.add_drive_torques(parameters, state, ddq, sign, tau);
     }
 
-    /// Backward pass of recursive Newton-Euler: the torques of the rigid links alone.
+    /// Backward pass of recursive Newton-Euler: only the torques of the rigid links.
     #[inline(always)]
     fn rigid_torques<T: Real, P: Parameter<T>>(
         &self,

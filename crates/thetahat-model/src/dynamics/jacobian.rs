@@ -1,4 +1,4 @@
-//! How the torques of a motion change with positions and velocities: exactly, from the kernel that gives them.
+//! Derivatives of a motion's torques with respect to positions and velocities: exact, from the torque kernel.
 
 use std::ops::Range;
 
@@ -31,9 +31,9 @@ impl Jacobian {
 }
 
 impl Model {
-    /// `d ID / d q` and `d ID / d dq` of inverse dynamics `ID(q, dq, ddq)`, friction and coupled motors included, at each
-    /// of the `samples` of a motion, to the same places of `out`: by dual numbers, as many directions side by side as a vector of this machine holds. The derivative
-    /// by the accelerations is the mass matrix.
+    /// `d ID / d q` and `d ID / d dq` of inverse dynamics `ID(q, dq, ddq)`, friction and coupled motors included, at each of
+    /// the `samples` of a motion, at the same indices of `out`: by dual numbers, with one direction in each lane of a vector.
+    /// The derivative with respect to the accelerations is the mass matrix.
     #[doc(hidden)]
     pub fn inverse_dynamics_jacobians(
         &self,
@@ -92,8 +92,8 @@ impl WithSimd for Kernel<'_> {
     }
 }
 
-/// Values that vary, each in its direction: the one at `place` in the direction `offset + place`. Lane `l` holds the
-/// direction `first + l`.
+/// Seeds the dual numbers: the value at `place` varies in the direction `offset + place`. Lane `l` holds the direction `first +
+/// l`.
 #[inline(always)]
 fn seed<S: Simd>(simd: S, numbers: &mut [Dual<Lanes<S>>], values: &[f64], first: usize, offset: usize) {
     for (place, (number, &value)) in numbers.iter_mut().zip(values).enumerate() {
@@ -122,7 +122,7 @@ mod tests {
         let robot = Robot::parse(MIXED, Path::new("robot.toml")).unwrap();
         let model = Model::new(&robot);
         let theta: Vec<f64> = (0..model.parameter_table().len()).map(|i| (1.7 * i as f64).sin()).collect();
-        let parameters = DynamicParameters::new(&model, &theta);
+        let parameters = DynamicParameters::sorted(&model, &theta);
         let (state, ddq) = ([0.3, -0.2, 1.1, 0.07, -0.6, 0.9], [2.0, -1.0, 3.0]);
         let torques = |state: &[f64]| {
             let (mut tau, mut workspace) = ([0.0; 3], Workspace::new(&model));
@@ -132,7 +132,7 @@ mod tests {
         };
         let (q, dq) = state.split_at(3);
         let motion = [&[q, q].concat(), &[dq, dq].concat(), &[ddq, ddq].concat()];
-        let [q, dq, ddq] = motion.map(|values| Series::from_values(3, values.clone()));
+        let [q, dq, ddq] = motion.map(|values| Series::shaped(3, values.clone()));
         let mut found = [Jacobian::zeros(3), Jacobian::zeros(3)];
         model.inverse_dynamics_jacobians(&parameters, [&q, &dq, &ddq], None, 0..2, SIGN, &mut found);
         assert_eq!(found[0], found[1]);

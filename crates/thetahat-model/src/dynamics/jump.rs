@@ -1,9 +1,9 @@
-//! Where torques jump: the velocities whose sign is in Coulomb friction.
+//! The velocities at whose change of sign Coulomb friction makes torques jump.
 
 use super::model::Model;
 use crate::robot::{MotorQuantity, Quantity, Role};
 
-/// A velocity at whose change of sign torques jump: a joint's, or that of a coupled motor in joint units.
+/// A velocity at whose change of sign torques jump: that of a joint, or of a coupled motor in joint units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Jump {
     /// The coordinates in the velocity, with their weights.
@@ -19,7 +19,7 @@ impl Jump {
         self.velocity.iter().map(|&(j, w)| w * dq[j]).sum()
     }
 
-    /// The jumps of the Coulomb friction among parameters of a model's table, each once.
+    /// The jumps of the Coulomb friction among parameters of a model's table, without duplicates.
     #[must_use]
     pub fn among(model: &Model, parameters: &[usize]) -> Vec<Self> {
         let table = model.parameter_table();

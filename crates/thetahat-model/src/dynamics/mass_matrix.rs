@@ -1,4 +1,4 @@
-//! The mass matrix by composite rigid bodies, for one state or states side by side.
+//! The mass matrix by composite rigid bodies, for one state or one in each lane.
 
 use super::{
     geometry::BASE, inertial::Inertial, model::Model, motion::LinkMotion, parameters::DynamicParameters,
@@ -7,7 +7,7 @@ use super::{
 use thetahat_ground::real::{Parameter, Real};
 
 impl Model {
-    /// The lower triangle of the mass matrix of the coordinates; the placements must be in the workspace.
+    /// The lower triangle of the mass matrix of the coordinates; the workspace must hold the placements.
     #[inline(always)]
     pub(super) fn lower_mass_matrix<T: Real, P: Parameter<T>>(
         &self,
@@ -30,9 +30,9 @@ impl Model {
         }
     }
 
-    /// The lower triangle of the mass matrix of all joints, as if none followed another, by composite rigid bodies from
-    /// the tips to the base: the wrench of each joint's unit acceleration is carried to the base and meets the joints on
-    /// the way.
+    /// The lower triangle of the mass matrix of all joints, as if none followed another, by composite rigid bodies from the
+    /// tips to the base: the wrench of each joint's unit acceleration is propagated to the base and projected on the joints it
+    /// passes.
     #[inline(always)]
     fn composite_rigid_bodies<T: Real, P: Parameter<T>>(
         &self,
@@ -49,7 +49,7 @@ impl Model {
             let mut wrench = composite[j].wrench_of_joint(joint.revolute);
             row[j] = wrench.along(joint.revolute);
             row[j] += parameters.joints[j].ia.in_lanes(row[j]);
-            // All joints before are passed, not only those on the way: on a chain, no index waits for a parent's.
+            // All earlier joints are visited, not only those on the path: on a chain, no index then waits for a parent's.
             let (mut outer, mut link) = (joint, &links[j]);
             for (i, inner) in self.joints[..j].iter().enumerate().rev() {
                 if i != outer.parent {

@@ -1,8 +1,8 @@
 //! Rigid-body dynamics of a robot, serial or a tree, with friction, motor inertia and coupled motors.
 //!
-//! [`Model`] is constant, [`Workspace`] is scratch: no function here allocates. Every algorithm is linear in the
-//! dynamic parameters and needs nothing of them but numbers, so an identified set that no rigid body could have is
-//! used as it is; only the mass matrix must be positive definite, and [`Model::forward_dynamics`] says where it is not.
+//! [`Model`] is constant, [`Workspace`] is scratch: no function here allocates. Every algorithm is linear in the dynamic
+//! parameters and accepts any numbers, also an identified set that is physically impossible; only the mass matrix must be
+//! positive definite, and [`Model::forward_dynamics`] reports where it is not.
 //!
 //! Legend of the kernels (Khalil and Dombre, *Modeling, Identification and Control of Robots*, chapter 9):
 //!
@@ -21,15 +21,15 @@
 //!
 //! ```
 //! use std::path::Path;
-//! use thetahat::{dynamics::{DynamicParameters, Model, Workspace}, robot::Robot};
+//! use thetahat_model::{dynamics::{DynamicParameters, Model, Workspace}, robot::Robot};
 //! let text = "name = 'pendulum'\n[[joint]]\nname = 'pivot'\nkind = 'revolute'\n[parameters]\nzz1 = 0.5\nia1 = 0.3";
 //! let robot = Robot::parse(text, Path::new("pendulum.toml"))?;
 //! let model = Model::new(&robot);
-//! let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+//! let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters())?;
 //! let mut mass = [0.0];
 //! model.mass_matrix(&parameters, &[0.1], &mut Workspace::new(&model), &mut mass);
 //! assert!((mass[0] - (0.5 + 0.3)).abs() < 1e-15);
-//! # Ok::<(), thetahat::robot::RobotError>(())
+//! # Ok::<(), thetahat_model::robot::RobotError>(())
 //! ```
 
 mod adjoint;

@@ -7,7 +7,7 @@ use super::{
 use crate::robot::{ParameterTable, Quantity, Robot};
 use thetahat_ground::vector::{Mat3, Vec3};
 
-/// Why accelerations cannot be computed.
+/// Why dynamics cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DynamicsError {
@@ -21,6 +21,14 @@ pub enum DynamicsError {
         joint: usize,
         /// The pivot found there.
         pivot: f64,
+    },
+    /// There is not one value for each standard parameter.
+    #[error("expected {expected} parameter values, one for each standard parameter of the robot, found {found}")]
+    ParameterCount {
+        /// Standard parameters of the robot.
+        expected: usize,
+        /// Values found.
+        found: usize,
     },
 }
 
@@ -39,13 +47,13 @@ pub struct Model {
     channels: Vec<String>,
 }
 
-/// The coordinates that move a link, those nearer to the base before, and where their twists stand in the workspace.
+/// The coordinates that move a link, those nearer to the base first, and where their twists are in the workspace.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Support {
     pub(crate) coordinates: Vec<usize>,
-    /// Place of the first twist.
+    /// Index of the first twist.
     pub(crate) start: usize,
-    /// Which of the coordinates moves the joint: its own, or the coordinate of the joint that it follows.
+    /// Which of the coordinates moves the joint: its own, or that of the joint that it follows.
     pub(crate) own: usize,
 }
 
@@ -75,7 +83,7 @@ impl Model {
         self.coordinates.len()
     }
 
-    /// Number of moving links: of the joints that follow others as well.
+    /// Number of moving links, including those of followers.
     #[must_use]
     pub fn link_count(&self) -> usize {
         self.joints.len()
@@ -93,7 +101,7 @@ impl Model {
         &self.motors
     }
 
-    /// The recorded channels that torque terms take. [`super::State::channels`] has one value for each coordinate of each.
+    /// The recorded channels that torque terms use. [`super::State::channels`] has one value for each coordinate of each.
     #[must_use]
     pub fn channels(&self) -> &[String] {
         &self.channels

@@ -30,7 +30,7 @@ impl<T: Real> LinkMotion<T> {
         add(self.dv, add(cross(self.dw, p), centripetal))
     }
 
-    /// The motion in the frame turned by gamma.
+    /// Transforms the motion to the frame turned by gamma.
     #[inline(always)]
     pub(super) fn turned_back(&self, turn: &Turn) -> Self {
         let [w, dw, dv] = [self.w, self.dw, self.dv];

@@ -14,6 +14,9 @@ use super::{
 impl Model {
     /// Inverse dynamics (1): the joint torques `tau` of a motion, by recursive Newton-Euler, with motor inertia,
     /// friction, offsets and coupled motors. `tau = phi(q, dq, ddq) theta` (3).
+    ///
+    /// # Panics
+    /// If a slice is shorter than the robot has coordinates, or parameters or workspace are of another model.
     pub fn inverse_dynamics(
         &self,
         parameters: &DynamicParameters,
@@ -26,10 +29,13 @@ impl Model {
         pulp::Arch::new().dispatch(InverseDynamics { model: self, parameters, state, ddq, sign, workspace, tau });
     }
 
-    /// Forward dynamics (5): the accelerations `ddq` that torques `tau` give.
+    /// Forward dynamics (5): the accelerations `ddq` of torques `tau`.
     ///
     /// # Errors
     /// [`DynamicsError::MassMatrixNotPositiveDefinite`] where these parameters have no such mass matrix.
+    ///
+    /// # Panics
+    /// As [`Model::inverse_dynamics`].
     pub fn forward_dynamics(
         &self,
         parameters: &DynamicParameters,
@@ -47,6 +53,9 @@ impl Model {
     }
 
     /// The mass matrix `M(q)`, row by row: `M = d tau / d ddq`, motor inertias and their coupling included.
+    ///
+    /// # Panics
+    /// As [`Model::inverse_dynamics`], and if `m` has fewer entries than the matrix.
     pub fn mass_matrix(&self, parameters: &DynamicParameters, q: &[f64], workspace: &mut Workspace, m: &mut [f64]) {
         pulp::Arch::new().dispatch(MassMatrix { model: self, parameters, q, workspace });
         let n = self.coordinate_count();
@@ -96,7 +105,7 @@ impl WithSimd for ForwardDynamics<'_> {
     }
 }
 
-/// The lower triangle of the mass matrix at `q`, left in the workspace.
+/// Computes the lower triangle of the mass matrix at `q` in the workspace.
 struct MassMatrix<'a> {
     model: &'a Model,
     parameters: &'a DynamicParameters,

@@ -2,21 +2,21 @@ use pulp::Simd;
 
 use super::{
     inertial::Inertial,
-    model::Model,
+    model::{DynamicsError, Model},
     terms::{JointTerms, MotorTerms, OtherTerm},
 };
 use crate::robot::Quantity;
 use thetahat_ground::real::Lanes;
 
-/// A vector of standard parameters, sorted for the kernels; or several side by side.
+/// A vector of standard parameters, arranged for the kernels; or one in each lane.
 #[derive(Debug, Clone)]
 pub struct DynamicParameters<P = f64> {
     pub(super) links: Vec<Inertial<P>>,
     pub(super) joints: Vec<JointTerms<P>>,
-    /// Terms of the joints beside those, joint by joint.
+    /// Further terms of the joints, joint by joint.
     pub(super) others: Vec<OtherTerm<P>>,
     pub(super) motors: Vec<MotorTerms<P>>,
-    /// Those of the robot's terms, column by column.
+    /// The parameters of the robot's terms, column by column.
     pub(super) terms: Vec<P>,
 }
 
@@ -24,10 +24,23 @@ impl DynamicParameters {
     /// Sorts the standard parameters `theta`, in the order of the model's table, and rotates each link's inertial
     /// parameters into the axes of its joint's frame.
     ///
+    /// # Errors
+    /// [`DynamicsError::ParameterCount`] if there is not one value for each standard parameter.
+    pub fn new(model: &Model, theta: &[f64]) -> Result<Self, DynamicsError> {
+        let (expected, found) = (model.parameter_table().len(), theta.len());
+        if found != expected {
+            return Err(DynamicsError::ParameterCount { expected, found });
+        }
+        Ok(Self::sorted(model, theta))
+    }
+
+    /// The same of values that are known to be one for each standard parameter.
+    ///
     /// # Panics
-    /// If there is not one value for each standard parameter.
+    /// If they are not.
+    #[doc(hidden)]
     #[must_use]
-    pub fn new(model: &Model, theta: &[f64]) -> Self {
+    pub fn sorted(model: &Model, theta: &[f64]) -> Self {
         let (table, links) = (model.parameter_table(), model.link_count());
         assert_eq!(table.len(), theta.len(), "one value for each standard parameter");
         let mut inertial = vec![[0.0; 10]; links];
@@ -55,7 +68,7 @@ impl DynamicParameters {
 }
 
 impl<S: Simd> DynamicParameters<Lanes<S>> {
-    /// Those of each lane, which must be of the same model.
+    /// Combines the parameters of all lanes, which must belong to the same model.
     #[inline(always)]
     #[doc(hidden)]
     pub fn side_by_side<'a>(simd: S, of_lane: impl Fn(usize) -> &'a DynamicParameters) -> Self {
@@ -101,6 +114,20 @@ mod tests {
         tau
     }
 
+    #[test]
+    fn a_value_for_each_standard_parameter_is_taken() {
+        let model = Model::new(&Robot::parse(FOLLOWER, Path::new("follower.toml")).unwrap());
+        assert!(DynamicParameters::new(&model, &vec![1.0; model.parameter_table().len()]).is_ok());
+    }
+
+    #[test]
+    fn a_wrong_number_of_values_is_a_parameter_count() {
+        let model = Model::new(&Robot::parse(FOLLOWER, Path::new("follower.toml")).unwrap());
+        let expected = model.parameter_table().len();
+        let error = DynamicParameters::new(&model, &[1.0]).map(drop).unwrap_err();
+        assert_eq!(error, DynamicsError::ParameterCount { expected, found: 1 });
+    }
+
     /// Friction taken together and friction summed by its columns are the same torques.
     #[test]
     fn a_term_may_be_summed_by_its_column() {
@@ -109,7 +136,7 @@ mod tests {
             robot.friction = friction;
             let model = Model::new(&robot);
             let mut theta: Vec<f64> = (0..model.parameter_table().len()).map(|i| (1.7 * i as f64).sin()).collect();
-            let together = torques(&model, &DynamicParameters::new(&model, &theta));
+            let together = torques(&model, &DynamicParameters::sorted(&model, &theta));
             let mut others = Vec::new();
             for (parameter, value) in model.parameter_table().iter().zip(&mut theta) {
                 let Quantity::Joint(quantity) = parameter.quantity else { continue };
@@ -118,7 +145,7 @@ mod tests {
                     others.push(OtherTerm { joint: parameter.number - 1, quantity, value });
                 }
             }
-            let mut parameters = DynamicParameters::new(&model, &theta);
+            let mut parameters = DynamicParameters::sorted(&model, &theta);
             parameters.others = others;
             for (found, expected) in torques(&model, &parameters).iter().zip(together) {
                 assert!((found - expected).abs() < 1e-13, "{friction:?}: {found} {expected}");

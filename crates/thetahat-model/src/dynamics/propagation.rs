@@ -1,4 +1,4 @@
-//! From link to link outwards: placements, motion and unit twists.
+//! Outward recursion over the links: placements, motion and unit twists.
 
 use super::{model::Model, motion::LinkMotion, state::State, twist::Twist};
 use thetahat_ground::{real::Real, vector::scale};
@@ -11,7 +11,7 @@ impl Model {
         let base = LinkMotion::at_rest(kind, scale(-1.0, self.gravity));
         let mut before = base;
         for (j, joint) in self.joints.iter().enumerate() {
-            // A chain hands its motion on without a detour through the memory.
+            // In a chain the motion passes from link to link without going through memory.
             if !joint.continues_chain {
                 before = links.get(joint.parent).copied().unwrap_or(base);
             }
@@ -20,7 +20,7 @@ impl Model {
         }
     }
 
-    /// The placements of the links alone.
+    /// The placements of the links only.
     #[inline(always)]
     pub(super) fn place(&self, q: &[f64], links: &mut [LinkMotion]) {
         for (joint, link) in self.joints.iter().zip(links) {

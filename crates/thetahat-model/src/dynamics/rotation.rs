@@ -1,13 +1,13 @@
-//! The rotation from a joint's frame to its parent joint's frame, in two parts: `Rot(z, gamma)`, a [`Turn`] that
-//! serial Denavit-Hartenberg robots do not have, and `Rot(x, alpha) Rot(z, theta)`, a [`Rotation`].
+//! The rotation from a joint's frame to its parent joint's frame, in two parts: `Rot(z, gamma)`, a [`Turn`], which is absent in
+//! serial Denavit-Hartenberg robots, and `Rot(x, alpha) Rot(z, theta)`, a [`Rotation`].
 
 use thetahat_ground::{
     real::Real,
     vector::{Mat3, Vec3},
 };
 
-/// `Rot(x, alpha) Rot(z, theta)` by its sines and cosines: with them a vector takes 12 operations instead of 15, a
-/// symmetric matrix 34 instead of 75.
+/// `Rot(x, alpha) Rot(z, theta)` as sines and cosines: rotating a vector takes 12 operations instead of 15, a symmetric matrix
+/// 34 instead of 75.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Rotation<T = f64> {
     pub(crate) sin_alpha: f64,
@@ -87,7 +87,7 @@ fn turn_in_plane<T: Real>(s: T, c: T, uu: T, vv: T, uv: T) -> (T, T, T) {
     (turned, uu + vv - turned, cs * (uu - vv) + (ss.like(1.0) - ss * 2.0) * uv)
 }
 
-/// The same with constants.
+/// [`turn_in_plane`] with constants.
 #[inline(always)]
 fn turn_by_constant<T: Real>(s: f64, c: f64, uu: T, vv: T, uv: T) -> (T, T, T) {
     let (ss, cs) = (s * s, c * s);

@@ -1,4 +1,4 @@
-//! Forward dynamics over a motion, samples side by side.
+//! Forward dynamics over a motion, one sample in each lane.
 
 use std::ops::Range;
 
@@ -14,11 +14,14 @@ use super::{
 use thetahat_ground::{real::Lanes, series::Series};
 
 impl Model {
-    /// Forward dynamics (5) of every sample: the accelerations that the torques `tau` give. All series have as many
-    /// samples and a channel for each coordinate.
+    /// Forward dynamics (5) of every sample: the accelerations of the torques `tau`. All series have the same number of samples
+    /// and a channel for each coordinate.
     ///
     /// # Errors
     /// The first sample, from zero, at which these parameters have no positive definite mass matrix.
+    ///
+    /// # Panics
+    /// If the series differ in length, or have another number of channels.
     pub fn forward_dynamics_series(
         &self,
         parameters: &DynamicParameters,
@@ -28,7 +31,7 @@ impl Model {
         self.forward_dynamics_with_channels(parameters, motion, None, sign)
     }
 
-    /// The same with the recorded channels that the robot's torque terms take.
+    /// [`Self::forward_dynamics_series`] with the recorded channels that the robot's torque terms use.
     #[doc(hidden)]
     pub fn forward_dynamics_with_channels(
         &self,
@@ -41,7 +44,7 @@ impl Model {
         let inputs = [q, dq, tau];
         let done =
             pulp::Arch::new().dispatch(Batches { model: self, parameters, inputs, channels, sign, ddq: &mut ddq });
-        // What is left starts with a sample that has none, or is too short for a batch.
+        // The remaining samples are fewer than a batch, or start with one without a positive definite mass matrix.
         let mut workspace = Workspace::new(self);
         for k in done..q.len() {
             let ddq = ddq.sample_mut(k);
@@ -54,7 +57,7 @@ impl Model {
     }
 }
 
-/// One channel of consecutive samples in each number.
+/// Loads consecutive samples, one channel into each number.
 #[inline(always)]
 pub(crate) fn gather<S: Simd>(simd: S, series: &Series, samples: Range<usize>, channels: &mut [Lanes<S>]) {
     let count = series.channels();
@@ -74,13 +77,13 @@ struct Batches<'a> {
 }
 
 impl WithSimd for Batches<'_> {
-    /// Samples done.
+    /// Number of finished samples.
     type Output = usize;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> usize {
         if Lanes::<S>::COUNT == 1 {
-            // Nothing is side by side: leave all to the kernel for one state.
+            // With one lane, the kernel for one state does all the work.
             return 0;
         }
         let zero = Lanes::splat(simd, 0.0);

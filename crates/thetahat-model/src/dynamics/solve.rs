@@ -8,17 +8,17 @@ pub(super) fn solve_positive_definite<T: Real>(m: &mut [T], b: &mut [T]) -> Resu
     Ok(())
 }
 
-/// `M = L D L^T` in place; M is n by n, row by row, its lower triangle alone is used, and it is overwritten by L with `1/D` on
-/// its diagonal.
+/// `M = L D L^T` in place; M is n by n, row by row, of which only the lower triangle is used, and it is overwritten by L with
+/// `1/D` on its diagonal.
 ///
-/// The error is the index and value of a pivot that is not positive. Written out because it runs in every right-hand side of
-/// the simulation, where nothing may allocate.
+/// The error is the index and value of a pivot that is not positive. Written by hand because it runs in every right-hand side
+/// of the simulation, where nothing may allocate.
 #[inline(always)]
 #[doc(hidden)]
 pub fn factorise<T: Real>(m: &mut [T], n: usize) -> Result<(), (usize, T)> {
     for j in 0..n {
         let (above, row) = m.split_at_mut(j * n);
-        // Entry i of the row becomes (L D)_ji, then L_ji; the pivot takes away the squares of L weighted by D.
+        // Entry i of the row becomes (L D)_ji, then L_ji; the squares of L, weighted by D, are subtracted from the pivot.
         for i in 0..j {
             row[i] -= products(row[i], &above[i * n..], &row[..i]);
         }
@@ -53,7 +53,7 @@ pub fn solve_factorised<T: Real>(m: &[T], b: &mut [T]) {
     }
 }
 
-/// `M` itself, both triangles, of its factors.
+/// Computes `M`, both triangles, from its factors.
 #[doc(hidden)]
 pub fn multiply_factors(factors: &[f64], n: usize, m: &mut [f64]) {
     for i in 0..n {

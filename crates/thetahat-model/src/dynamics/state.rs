@@ -1,26 +1,26 @@
 use thetahat_ground::real::Real;
 
-/// Positions and velocities of the coordinates; of several states side by side in vectors `T`.
+/// Positions and velocities of the coordinates; for vectors `T`, of one state in each lane.
 #[derive(Debug)]
 pub struct State<'a, T = f64> {
     /// Positions, rad or m.
     pub q: &'a [T],
     /// Velocities, rad/s or m/s.
     pub dq: &'a [T],
-    /// The recorded channels that torque terms take, channel after channel with one value for each coordinate; empty where
-    /// no term takes one.
+    /// The recorded channels that torque terms use, channel after channel with one value for each coordinate; empty if no term
+    /// uses one.
     pub channels: &'a [T],
 }
 
 impl<'a, T> State<'a, T> {
-    /// A state of a robot whose torque terms take no recorded channel.
+    /// A state of a robot whose torque terms use no recorded channel.
     #[inline(always)]
     #[must_use]
     pub fn new(q: &'a [T], dq: &'a [T]) -> Self {
         Self { q, dq, channels: &[] }
     }
 
-    /// The same with the values of recorded channels.
+    /// The state with the values of recorded channels.
     #[inline(always)]
     #[must_use]
     pub fn with_channels(self, channels: &'a [T]) -> Self {
@@ -37,15 +37,15 @@ impl<T> Clone for State<'_, T> {
 
 impl<T> Copy for State<'_, T> {}
 
-/// The coordinate that moves a joint: the joint stands at `ratio q + offset`. Ratio one and offset zero but for joints that
-/// follow others.
+/// The coordinate that moves a joint: the joint's position is `ratio q + offset`, with ratio one and offset zero except for
+/// joints that follow others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointCoordinate {
     /// Number of the coordinate, from zero.
     pub coordinate: usize,
     /// The joint's velocity per velocity of the coordinate, and torque on the coordinate per torque of the joint.
     pub ratio: f64,
-    /// The joint's position where the coordinate is zero, rad or m.
+    /// The joint's position at coordinate zero, rad or m.
     pub offset: f64,
 }
 

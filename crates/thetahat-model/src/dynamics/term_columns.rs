@@ -1,4 +1,4 @@
-//! The columns of torque terms, made ready for the kernels.
+//! The columns of torque terms, prepared for the kernels.
 
 use std::sync::Arc;
 
@@ -9,18 +9,18 @@ use super::{
 use crate::robot::{INERTIAL, LinkPoint, LinkQuantity, Quantity, Robot, Shape, TermColumn, TwoPoints, Variable};
 use thetahat_ground::vector::{Vec3, times};
 
-/// A column of a term, ready for the kernels.
+/// A column of a term, prepared for the kernels.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ModelTerm {
     /// The coordinates on which it acts.
     pub(crate) coordinates: Vec<usize>,
     pub(super) moved_by: JointCoordinate,
     pub(super) shape: Shape,
-    /// Place of the values of the channel that multiplies it, and its reference.
+    /// Index of the values of the channel that multiplies it, and its reference.
     pub(super) factor: Option<(usize, f64)>,
-    /// Places of the channels of an expression's variables.
+    /// Indices of the channels of an expression's variables.
     pub(super) channels: Vec<usize>,
-    /// The bodies whose weight is its load: joint in front of the link, mass, first moments in the joint's frame.
+    /// The bodies whose weight is its load: the link's joint, mass, first moments in the joint's frame.
     pub(super) bodies: Arc<Vec<Body>>,
 }
 
@@ -117,7 +117,7 @@ fn joints_before(joint: Option<usize>, joints: &[JointGeometry]) -> Vec<usize> {
 }
 
 impl ModelTerm {
-    /// Whether it takes a recorded channel.
+    /// Whether it uses a recorded channel.
     pub(crate) fn takes_channel(&self) -> bool {
         let is_channel = |v: &Variable| matches!(v, Variable::Channel(_));
         let in_expression = match &self.shape {

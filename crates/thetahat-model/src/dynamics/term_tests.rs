@@ -1,4 +1,4 @@
-//! The terms of one robot that has every kind, by mechanics itself: potentials, central differences, identities.
+//! All kinds of terms on one robot, tested by mechanics: potentials, central differences, identities.
 
 use std::path::Path;
 
@@ -14,7 +14,8 @@ use thetahat_ground::{
 
 const SIGN: Sign = Sign::Smooth { scale: 0.1 };
 
-/// A tree with a prismatic joint, a follower and a coupled motor; every kind of term but those of channels and accelerations.
+/// A tree with a prismatic joint, a follower and a coupled motor; every kind of term except those of channels and
+/// accelerations.
 pub(crate) const ROBOT: &str = r#"
 name = "all"
 gravity = [0.3, -1.2, -9.7]
@@ -116,7 +117,7 @@ impl Case {
     fn torques(&self, theta: &[f64], state: &[f64]) -> [f64; 3] {
         let (q, dq) = state.split_at(3);
         let (mut tau, mut workspace) = ([0.0; 3], Workspace::new(&self.model));
-        let parameters = DynamicParameters::new(&self.model, theta);
+        let parameters = DynamicParameters::sorted(&self.model, theta);
         self.model.inverse_dynamics(&parameters, State::new(q, dq), &DDQ, SIGN, &mut workspace, &mut tau);
         tau
     }
@@ -202,7 +203,7 @@ fn load_friction_is_by_the_torque_of_gravity() {
     for state in STATES {
         let still: Vec<f64> = state[..3].iter().chain(&[0.0; 3]).copied().collect();
         let mut gravity = [0.0; 3];
-        let parameters = DynamicParameters::new(&case.model, &a_priori);
+        let parameters = DynamicParameters::sorted(&case.model, &a_priori);
         let (q, dq) = still.split_at(3);
         let state_at_rest = State::new(q, dq);
         case.model.inverse_dynamics(
@@ -252,10 +253,10 @@ fn phi_theta_is_inverse_dynamics_alone_and_side_by_side() {
     let regressor = Regressor::new(model, &all);
     let column = |range: std::ops::Range<usize>| {
         let values = (0..9).flat_map(|k| STATES[k % 3][range.clone()].to_vec()).collect();
-        Series::from_values(3, values)
+        Series::shaped(3, values)
     };
     let (q, dq) = (column(0..3), column(3..6));
-    let ddq = Series::from_values(3, DDQ.repeat(9));
+    let ddq = Series::shaped(3, DDQ.repeat(9));
     let phi = regressor.evaluate_series(model, &q, &dq, &ddq, SIGN);
     for k in 0..9 {
         let mut tau = [0.0; 3];
@@ -269,13 +270,13 @@ fn phi_theta_is_inverse_dynamics_alone_and_side_by_side() {
     }
 }
 
-/// The sensitivities of simulations take these derivatives.
+/// Sensitivities of simulations use these derivatives.
 #[test]
 fn derivatives_are_central_differences() {
     let case = case();
-    let parameters = DynamicParameters::new(&case.model, &case.theta);
+    let parameters = DynamicParameters::sorted(&case.model, &case.theta);
     for state in STATES {
-        let [q, dq, ddq] = [&state[..3], &state[3..], &DDQ].map(|x| Series::from_values(3, x.to_vec()));
+        let [q, dq, ddq] = [&state[..3], &state[3..], &DDQ].map(|x| Series::shaped(3, x.to_vec()));
         let mut found = [Jacobian::zeros(3)];
         case.model.inverse_dynamics_jacobians(&parameters, [&q, &dq, &ddq], None, 0..1, SIGN, &mut found);
         let mut damping = [0.0; 9];
@@ -326,7 +327,7 @@ fn what_cannot_be_a_term_is_named() {
     );
     assert_eq!(
         message("name = \"second\"", "name = \"first\""),
-        "[[term]] 9 (gas-spring): its parameter k_first is there already; state each law once for a joint, and give springs \
+        "[[term]] 9 (gas-spring): its parameter k_first exists already; state each law once for a joint, and give springs \
          and expressions names of their own"
     );
     assert!(

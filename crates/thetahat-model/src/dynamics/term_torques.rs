@@ -1,4 +1,4 @@
-//! The torque for a unit of each term's parameter: the one place that says what a term is worth in a state.
+//! The torque for a unit of each term's parameter, defined only here.
 
 use super::{
     geometry::BASE,
@@ -14,7 +14,7 @@ use thetahat_ground::{
     vector::{Vec3, add, dot, in_lanes},
 };
 
-/// Least part of the gas that a cylinder leaves: beyond, its force no longer grows.
+/// Smallest fraction of the gas that a cylinder leaves: beyond it the force no longer grows.
 pub(crate) const LEAST_GAS: f64 = 0.05;
 
 impl Model {
@@ -78,7 +78,7 @@ impl Model {
             let kind = varied[0];
             let origin = self.point_in_base(Some(body.joint), in_lanes(kind, [0.0; 3]), &varied);
             let tip = self.point_in_base(Some(body.joint), in_lanes(kind, body.moments), &varied);
-            // The first moments in the base frame are tip less origin.
+            // The first moments in the base frame are tip minus origin.
             let moments =
                 [0, 1, 2].map(|i| tip[i].derivative - origin[i].derivative + origin[i].derivative * body.mass);
             torque -= dot(moments, in_lanes(torque, self.gravity));
@@ -144,13 +144,13 @@ impl ModelTerm {
     }
 }
 
-/// Positions that vary with one coordinate.
+/// Positions as dual numbers that vary with one coordinate.
 fn varied<T: Real>(q: &[T], coordinate: usize) -> Vec<Dual<T>> {
     let derivative = |c: usize, value: &T| value.like(if c == coordinate { 1.0 } else { 0.0 });
     q.iter().enumerate().map(|(c, value)| Dual { value: *value, derivative: derivative(c, value) }).collect()
 }
 
-/// The part of Stribeck friction that is left at a velocity.
+/// The remaining fraction of Stribeck friction at a velocity.
 fn falling<T: Real>(Stribeck { law, velocity, exponent }: Stribeck, dq: T) -> T {
     let power = power(absolute(dq) * (1.0 / velocity), exponent);
     match law {
@@ -159,7 +159,7 @@ fn falling<T: Real>(Stribeck { law, velocity, exponent }: Stribeck, dq: T) -> T 
     }
 }
 
-/// The tension for a unit of the parameter, at a distance of the points.
+/// The tension for a unit of the parameter, at a distance between the points.
 fn tension<T: Real>(cylinder: Cylinder, distance: T) -> T {
     match cylinder {
         Cylinder::Constant(tension) => distance.like(tension),

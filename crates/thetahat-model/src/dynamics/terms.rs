@@ -1,9 +1,9 @@
-//! The torques of the drives: motor inertia, friction, offset, and whatever else acts on one joint or one coupled motor.
+//! The torques of the drives: motor inertia, friction, offset, and other terms that act on one joint or one coupled motor.
 //!
-//! What a term gives for a unit of its parameter stands once, in [`JointQuantity::torque`] and [`MotorQuantity::torque`], the
-//! columns of the regressor. Inverse dynamics sums these columns. The terms of the usual friction models it takes together
-//! ([`JointTerms`]), with fewer operations for the same sum; a term that [`JointTerms::insert`] leaves out is summed by its
-//! column, and must not depend on the acceleration, which the mass matrix takes from the motor inertia alone.
+//! The torque of a term for a unit of its parameter is defined only in [`JointQuantity::torque`] and [`MotorQuantity::torque`],
+//! the columns of the regressor. Inverse dynamics sums these columns. It combines the terms of the usual friction models
+//! ([`JointTerms`]), which takes fewer operations for the same sum; a term that [`JointTerms::insert`] rejects is summed by its
+//! column, and must not depend on the acceleration, because the mass matrix contains only the motor inertia.
 
 use super::{
     coupled_motor::CoupledMotor,
@@ -13,7 +13,7 @@ use super::{
 use crate::robot::{JointQuantity, MotorQuantity};
 use thetahat_ground::real::{Parameter, Real};
 
-/// What the torque of a joint's drive depends on.
+/// The state on which the torque of a joint's drive depends.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct JointState<T> {
     /// The joint's velocity.
@@ -75,7 +75,7 @@ pub(super) struct JointTerms<P = f64> {
 }
 
 impl JointTerms {
-    /// Takes the value of a parameter. A quantity that comes back is not among these terms: it is summed by its column.
+    /// Stores the value of a parameter. A returned quantity is not among these terms: it is summed by its column.
     pub(super) fn insert(&mut self, quantity: JointQuantity, value: f64) -> Option<JointQuantity> {
         match quantity {
             JointQuantity::Ia => self.ia += value,
@@ -92,7 +92,7 @@ impl JointTerms {
 }
 
 impl<P: Copy> JointTerms<P> {
-    /// Number by number, each from the same number of scalar terms.
+    /// The terms, each computed from the same one of several scalar sets.
     #[inline(always)]
     pub(super) fn from_numbers(number: impl Fn(&dyn Fn(&JointTerms) -> f64) -> P) -> Self {
         Self {
@@ -156,7 +156,7 @@ pub(super) struct MotorTerms<P = f64> {
 }
 
 impl MotorTerms {
-    /// Takes the value of a parameter.
+    /// Stores the value of a parameter.
     pub(super) fn insert(&mut self, quantity: MotorQuantity, value: f64) {
         match quantity {
             MotorQuantity::Iam => self.iam += value,
@@ -167,7 +167,7 @@ impl MotorTerms {
 }
 
 impl<P: Copy> MotorTerms<P> {
-    /// Number by number, each from the same number of scalar terms.
+    /// The terms, each computed from the same one of several scalar sets.
     #[inline(always)]
     pub(super) fn from_numbers(number: impl Fn(&dyn Fn(&MotorTerms) -> f64) -> P) -> Self {
         Self { iam: number(&|t| t.iam), fvm: number(&|t| t.fvm), fcm: number(&|t| t.fcm) }

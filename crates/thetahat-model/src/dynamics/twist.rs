@@ -12,20 +12,20 @@ pub(crate) struct Twist<T = f64> {
 }
 
 impl<T: Real> Twist<T> {
-    /// The same twist, seen from the next frame.
+    /// The twist as seen from the next frame.
     #[inline(always)]
     pub(super) fn seen_from(&self, next: &LinkMotion<T>) -> Self {
         let linear = add(self.linear, cross(self.angular, next.p));
         Self { angular: next.r.transpose_times(self.angular), linear: next.r.transpose_times(linear) }
     }
 
-    /// The same twist in other axes, `x_here = axes x_there`.
+    /// The twist in other axes, `x_here = axes x_there`.
     #[inline(always)]
     pub(crate) fn in_axes(&self, axes: &Mat3) -> Self {
         Self { angular: transpose_times(axes, self.angular), linear: transpose_times(axes, self.linear) }
     }
 
-    /// The same twist in the frame turned by gamma.
+    /// The twist in the frame turned by gamma.
     #[inline(always)]
     pub(super) fn turned_back(&self, turn: &Turn) -> Self {
         Self { angular: turn.transpose_times(self.angular), linear: turn.transpose_times(self.linear) }

@@ -13,9 +13,9 @@ pub struct Workspace<T = f64> {
     pub(crate) twists: Vec<Twist<T>>,
     pub(super) wrenches: Vec<Wrench<T>>,
     pub(super) composite: Vec<Inertial<T>>,
-    /// Mass matrix of the joints as if none followed another, its lower triangle; used where one does.
+    /// Lower triangle of the mass matrix of the joints as if none followed another; used if one does.
     pub(super) link_masses: Vec<T>,
-    /// Mass matrix of the coordinates, its lower triangle.
+    /// Lower triangle of the mass matrix of the coordinates.
     pub(super) mass_matrix: Vec<T>,
     pub(super) rhs: Vec<T>,
     pub(super) zeros: Vec<T>,
@@ -30,7 +30,7 @@ impl Workspace {
 }
 
 impl<T: Copy> Workspace<T> {
-    /// Scratch for numbers of a kind.
+    /// Scratch for numbers of the type of `kind`.
     #[inline(always)]
     #[doc(hidden)]
     pub fn like(model: &Model, kind: T) -> Self

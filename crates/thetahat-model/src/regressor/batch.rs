@@ -1,4 +1,4 @@
-//! The observation matrix of many samples, as many side by side as a vector of this machine holds.
+//! The observation matrix of many samples, one sample in each lane of a vector of this machine.
 
 use std::ops::Range;
 
@@ -10,6 +10,9 @@ use thetahat_ground::{real::Lanes, series::Series};
 
 impl Regressor {
     /// The entries of `phi` over a motion: one channel for each entry.
+    ///
+    /// # Panics
+    /// If the series differ in length, or have not one channel for each coordinate of the model.
     #[must_use]
     pub fn evaluate_series(&self, model: &Model, q: &Series, dq: &Series, ddq: &Series, sign: Sign) -> Series {
         let mut phi = Series::zeros(q.len(), self.entries().len());
@@ -59,8 +62,7 @@ impl Regressor {
 }
 
 impl Regressor {
-    /// The whole of `phi` of the samples in `range`, zeros included: sample by sample, coordinate by coordinate, column by
-    /// column.
+    /// All of `phi` for the samples in `range`, zeros included: sample by sample, coordinate by coordinate, column by column.
     pub fn evaluate_rows(
         &self,
         model: &Model,
@@ -96,13 +98,13 @@ struct Batches<'a> {
 }
 
 impl WithSimd for Batches<'_> {
-    /// Samples done: whole batches only.
+    /// Number of finished samples: whole batches only.
     type Output = usize;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> usize {
         if Lanes::<S>::COUNT == 1 {
-            // Nothing is side by side: leave all to the kernel for one sample.
+            // With one lane, the kernel for one sample does all the work.
             return 0;
         }
         let (zero, entries) = (Lanes::splat(simd, 0.0), self.regressor.entries().len());
@@ -130,7 +132,7 @@ impl WithSimd for Batches<'_> {
     }
 }
 
-/// From entries with samples side by side to samples with entries side by side. `scratch` is as long as `phi`.
+/// Transposes from one sample in each lane to entries sample by sample. `scratch` has the length of `phi`.
 #[inline(always)]
 fn scatter<S: Simd>(values: &[Lanes<S>], scratch: &mut [f64], phi: &mut [f64]) {
     let lanes = Lanes::<S>::COUNT;
@@ -144,10 +146,10 @@ fn scatter<S: Simd>(values: &[Lanes<S>], scratch: &mut [f64], phi: &mut [f64]) {
     }
 }
 
-/// Samples computed ahead.
+/// Number of samples computed ahead.
 const AHEAD: usize = 64;
 
-/// The entries of `phi` sample by sample, for those who ask for one after the other; they are computed in batches.
+/// The entries of `phi`, requested sample by sample and computed in batches.
 #[derive(Debug)]
 pub struct BufferedRegressor<'a> {
     regressor: &'a Regressor,
@@ -197,10 +199,10 @@ mod tests {
         let text = "name = 'r'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n[[joint]]\nname = 'b'\nkind = 'prismatic'\nalpha_deg = 90";
         let model = Model::new(&Robot::parse(text, Path::new("r.toml")).unwrap());
         let regressor = Regressor::new(&model, &[5, 11, 19, 25]);
-        // More than two batches, and a rest.
+        // More than two batches, and a remainder.
         let (samples, range) = (2 * AHEAD + 7, 3..2 * AHEAD + 7);
         let motion =
-            [0.1, 0.7, 1.3].map(|w| Series::from_values(2, (0..2 * samples).map(|k| (w * k as f64).sin()).collect()));
+            [0.1, 0.7, 1.3].map(|w| Series::shaped(2, (0..2 * samples).map(|k| (w * k as f64).sin()).collect()));
         let [q, dq, ddq] = [0, 1, 2].map(|i: usize| &motion[i]);
         let entries = regressor.evaluate_series(&model, q, dq, ddq, Sign::Exact);
         let mut rows = vec![f64::NAN; range.len() * 2 * 4];

@@ -8,9 +8,9 @@ use thetahat_ground::{
 #[derive(Debug, Clone, Copy)]
 pub(super) struct InertialEntry {
     pub(super) link: usize,
-    /// Which of the coordinates that move the link.
+    /// Index among the coordinates that move the link.
     pub(super) place: usize,
-    /// Which parameter of the link, in the order of [`crate::robot::INERTIAL`].
+    /// Index of the link's parameter in the order of [`crate::robot::INERTIAL`].
     pub(super) component: usize,
 }
 
@@ -21,17 +21,17 @@ pub(super) struct InertialEntries {
     components: Vec<usize>,
 }
 
-/// The entries of one coordinate for the inertial parameters of one link: as many of `components` as it is long.
+/// The entries of one coordinate for the inertial parameters of one link, in the order of `components`.
 #[derive(Debug, Clone, Copy)]
 struct Block {
     link: usize,
-    /// Which of the coordinates that move the link.
+    /// Index among the coordinates that move the link.
     place: usize,
     length: usize,
 }
 
 impl InertialEntries {
-    /// One more. Links rise, and entries of one link and coordinate follow each other.
+    /// Adds an entry. Links must rise, and entries of one link and coordinate must be consecutive.
     pub(super) fn push(&mut self, entry: InertialEntry) {
         let InertialEntry { link, place, component } = entry;
         self.components.push(component);
@@ -46,7 +46,7 @@ impl InertialEntries {
         self.components.len()
     }
 
-    /// Walks outwards over the links, as the blocks are ordered, and carries the unit twists of the coordinates along.
+    /// Walks outwards over the links, in the order of the blocks, and propagates the unit twists of the coordinates.
     #[inline(always)]
     pub(super) fn evaluate<T: Real>(&self, model: &Model, workspace: &mut Workspace<T>, mut phi: &mut [T]) {
         let (links, twists) = (&workspace.links, &mut workspace.twists);
@@ -83,8 +83,8 @@ impl InertialEntries {
 }
 
 impl InertialEntries {
-    /// Adds to an adjoint the derivatives of the sum of the entries times `weights`, by the motion of the links and the unit
-    /// twists of the workspace, which this computes.
+    /// Adds to an adjoint the derivatives of the sum of the entries times `weights` with respect to the motion of the links and
+    /// the unit twists of the workspace, which are computed here.
     #[inline(always)]
     pub(super) fn add_slopes<T: Real>(
         &self,
@@ -116,14 +116,14 @@ impl InertialEntries {
     }
 }
 
-/// `x_there = axes x_here` for the derivatives by a twist.
+/// `x_there = axes x_here` for the derivatives with respect to a twist.
 #[inline(always)]
 fn out_of_axes<T: Real>(twist: &Twist<T>, axes: &Mat3) -> Twist<T> {
     Twist { angular: constant_times(axes, twist.angular), linear: constant_times(axes, twist.linear) }
 }
 
-/// The derivatives of the torque of a body with these ten parameters, `z . N + v . F`, by the twist `(z, v)` and by the
-/// motion `w, dw, dv`.
+/// The derivatives of the torque of a body with these ten parameters, `z . N + v . F`, with respect to the twist `(z, v)` and
+/// the motion `w, dw, dv`.
 #[inline(always)]
 fn slopes_of_body<T: Real>(body: &[T; 10], twist: Twist<T>, link: &LinkMotion<T>) -> (Twist<T>, LinkAdjoint<T>) {
     let [xx, xy, xz, yy, yz, zz, x, y, z, m] = *body;
@@ -145,8 +145,8 @@ fn slopes_of_body<T: Real>(body: &[T; 10], twist: Twist<T>, link: &LinkMotion<T>
     (Twist { angular: moment, linear: force }, of_link)
 }
 
-/// The torque for a unit of each inertial parameter of a link, where the joint's unit twist, seen at the link's origin in
-/// the link's frame, is `(z, v)`: it is `z . N + v . F`, where `F = m dv + dw x ms + w x (w x ms)` and
+/// The torque for a unit of each inertial parameter of a link, if the joint's unit twist, seen at the link's origin in the
+/// link's frame, is `(z, v)`: it is `z . N + v . F`, where `F = m dv + dw x ms + w x (w x ms)` and
 /// `N = J dw + w x (J w) + ms x dv`.
 #[inline(always)]
 fn inertial_entries<T: Real>(twist: Twist<T>, link: &LinkMotion<T>) -> [T; 10] {

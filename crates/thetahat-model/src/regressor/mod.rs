@@ -6,16 +6,18 @@
 //!
 //! ```
 //! use std::path::Path;
-//! use thetahat::{dynamics::{Model, Sign}, regressor::Regressor, series::Series, robot::Robot};
+//! use thetahat_ground::series::Series;
+//! use thetahat_model::{dynamics::{Model, Sign}, regressor::Regressor, robot::Robot};
 //! let text = "name = 'pendulum'\n[[joint]]\nname = 'pivot'\nkind = 'revolute'\n";
 //! let robot = Robot::parse(text, Path::new("pendulum.toml"))?;
 //! let model = Model::new(&robot);
 //! // Viscous friction: its entry of phi is the velocity.
 //! let column = model.parameter_table().index_of("fv1").into_iter().collect::<Vec<_>>();
 //! let [q, dq, ddq] = [0.1, 0.2, 0.3].map(|value| Series::from_values(1, vec![value]));
+//! let (q, dq, ddq) = (q?, dq?, ddq?);
 //! let phi = Regressor::new(&model, &column).evaluate_series(&model, &q, &dq, &ddq, Sign::Exact);
 //! assert_eq!(phi.values(), [0.2]);
-//! # Ok::<(), thetahat::robot::RobotError>(())
+//! # Ok::<(), thetahat_model::robot::RobotError>(())
 //! ```
 
 mod batch;

@@ -10,38 +10,38 @@ use thetahat_ground::{real::Real, series::Series};
 pub struct Entry {
     /// The coordinate, from zero: the row of `phi`.
     pub joint: usize,
-    /// The place of the parameter in the list that the regressor was made for: the column of `phi`.
+    /// The index of the parameter in the regressor's list: the column of `phi`.
     pub column: usize,
 }
 
-/// Computes chosen columns of `phi`, entry by entry.
+/// Computes selected columns of `phi`, entry by entry.
 #[derive(Debug, Clone)]
 pub struct Regressor {
     entries: Vec<Entry>,
     /// The first entries.
     inertial: InertialEntries,
-    /// The entries behind them.
+    /// The entries after the inertial ones.
     drives: Vec<DriveEntry>,
     columns: usize,
-    /// The recorded channels that torque terms take, sample by sample of the motion.
+    /// The recorded channels that torque terms use, sample by sample of the motion.
     channels: Option<Series>,
 }
 
-/// What an entry is computed from.
+/// The source of an entry.
 #[derive(Debug, Clone, Copy)]
 enum Source {
     Inertial(InertialEntry),
     Drive(DriveEntry),
 }
 
-/// An entry that a drive gives.
+/// An entry of a drive.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum DriveEntry {
     /// A parameter of a joint, on the coordinate that moves it.
     Joint { quantity: JointQuantity, moved_by: JointCoordinate },
-    /// A parameter of the coupled motor at this place among the model's, on one of the coordinates that move it.
+    /// A parameter of the coupled motor at this index, on one of the coordinates that move it.
     Motor { quantity: MotorQuantity, motor: usize, coordinate: usize },
-    /// A parameter of the term at this place among the model's, on one of the coordinates on which it acts.
+    /// A parameter of the term at this index, on one of the coordinates on which it acts.
     Term { column: usize, coordinate: usize },
 }
 
@@ -59,7 +59,7 @@ impl DriveEntry {
         }
     }
 
-    /// On what it can depend: order (0 for q, 1 for dq, 2 for ddq) and coordinate.
+    /// The variables on which it can depend: order (0 for q, 1 for dq, 2 for ddq) and coordinate.
     pub(super) fn depends_on(&self, model: &Model) -> Vec<(usize, usize)> {
         let rates = |c: usize| [(1, c), (2, c)];
         match self {
@@ -74,6 +74,9 @@ impl DriveEntry {
 
 impl Regressor {
     /// A regressor for the standard parameters at `indices` of the model's table.
+    ///
+    /// # Panics
+    /// If an index is beyond the table.
     #[must_use]
     pub fn new(model: &Model, indices: &[usize]) -> Self {
         let mut placed = Vec::new();
@@ -81,7 +84,7 @@ impl Regressor {
             let sources = sources_of(model, model.parameter_table().get(index));
             placed.extend(sources.into_iter().map(|(joint, source)| (Entry { joint, column }, source)));
         }
-        // Entries of one coordinate and link together, so that the kernel computes a coordinate's view of a link once.
+        // Entries of one coordinate and link are consecutive, so that the kernel computes a coordinate's view of a link once.
         placed.sort_by_key(|(entry, source)| block_of(source, entry.joint));
         let entries = placed.iter().map(|(entry, _)| *entry).collect();
         let (mut inertial, mut drives) = (InertialEntries::default(), Vec::new());
@@ -100,13 +103,13 @@ impl Regressor {
         &self.entries
     }
 
-    /// The same for a motion along with which these channels were recorded, as [`State::channels`] has them.
+    /// The regressor for a motion recorded with these channels, as in [`State::channels`].
     #[must_use]
     pub fn with_channels(self, channels: Option<Series>) -> Self {
         Self { channels, ..self }
     }
 
-    /// Takes other channels.
+    /// Replaces the channels.
     #[doc(hidden)]
     pub fn set_channels(&mut self, channels: Option<&Series>) {
         self.channels = channels.cloned();
@@ -123,6 +126,9 @@ impl Regressor {
     }
 
     /// The entries of `phi` for one sample.
+    ///
+    /// # Panics
+    /// If a slice is shorter than the robot has coordinates, or than `phi` has entries.
     pub fn evaluate(
         &self,
         model: &Model,
@@ -136,7 +142,7 @@ impl Regressor {
         pulp::Arch::new().dispatch(kernel);
     }
 
-    /// The entries of one sample or of samples side by side.
+    /// The entries of one sample, or of one sample in each lane.
     #[inline(always)]
     pub(super) fn evaluate_of<T: Real>(
         &self,
@@ -159,7 +165,7 @@ impl Regressor {
         &self.inertial
     }
 
-    /// The entries of drives, behind the inertial ones.
+    /// The entries of drives, which follow the inertial ones.
     pub(super) fn drives(&self) -> &[DriveEntry] {
         &self.drives
     }
@@ -185,7 +191,7 @@ impl pulp::WithSimd for OneSample<'_> {
     }
 }
 
-/// The coordinates on which a parameter acts, each with what its entry is computed from.
+/// The coordinates on which a parameter acts, each with the source of its entry.
 fn sources_of(model: &Model, parameter: &Parameter) -> Vec<(usize, Source)> {
     let own = parameter.number - 1;
     match parameter.quantity {
@@ -214,7 +220,7 @@ fn sources_of(model: &Model, parameter: &Parameter) -> Vec<(usize, Source)> {
     }
 }
 
-/// Link and place of an inertial entry; the others come behind, by coordinate.
+/// Link and index of an inertial entry; the others follow, ordered by coordinate.
 fn block_of(source: &Source, coordinate: usize) -> (usize, usize) {
     match source {
         Source::Inertial(entry) => (entry.link, entry.place),

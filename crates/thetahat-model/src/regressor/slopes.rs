@@ -1,5 +1,6 @@
-//! How weighted sums of the entries of `phi` change with the motion: exact, from the links back to the coordinates, samples
-//! side by side. Entries of drives, which depend on few numbers, are differentiated by dual numbers.
+//! Derivatives of weighted sums of the entries of `phi` with respect to the motion: exact, by reverse mode from the links to
+//! the coordinates, one sample in each lane. Entries of drives, which depend on few variables, are differentiated by dual
+//! numbers.
 
 use pulp::{Simd, WithSimd};
 
@@ -11,10 +12,10 @@ use thetahat_ground::{
 };
 
 impl Regressor {
-    /// The derivatives of `sum_jc w_kjc phi_jc(q_k, dq_k, ddq_k)` by `q_k`, `dq_k` and `ddq_k`, sample by sample.
+    /// The derivatives of `sum_jc w_kjc phi_jc(q_k, dq_k, ddq_k)` with respect to `q_k`, `dq_k` and `ddq_k`, sample by sample.
     ///
-    /// `weights` are as long as the rows of [`Regressor::evaluate_rows`] and in their order: sample by sample, coordinate by
-    /// coordinate, column by column. Recorded channels are not taken: torque terms that need one have no slopes here.
+    /// `weights` have the layout of the rows of [`Regressor::evaluate_rows`]: sample by sample, coordinate by coordinate,
+    /// column by column. Recorded channels are not supported: torque terms that need one have no slopes here.
     #[doc(hidden)]
     pub fn weighted_slopes(&self, model: &Model, motion: [&Series; 3], weights: &[f64], sign: Sign) -> [Series; 3] {
         let [samples, joints] = [motion[0].len(), model.coordinate_count()];
@@ -44,9 +45,9 @@ struct Problem<'a> {
     motion: [&'a Series; 3],
     weights: &'a [f64],
     sign: Sign,
-    /// Where each entry stands in the row of a sample.
+    /// Index of each entry in the row of a sample.
     places: &'a [usize],
-    /// On what each entry of a drive depends: order and coordinate.
+    /// The variables on which each entry of a drive depends: order and coordinate.
     depends_on: &'a [Vec<(usize, usize)>],
 }
 
@@ -56,7 +57,7 @@ struct Scratch<T> {
     slopes: [Vec<T>; 3],
     workspace: Workspace<T>,
     adjoint: Adjoint<T>,
-    /// The motion with a derivative, for the entries of drives.
+    /// The motion as dual numbers, for the entries of drives.
     dual: [Vec<Dual<T>>; 3],
 }
 
@@ -76,7 +77,7 @@ impl<T: Real> Scratch<T> {
 }
 
 impl Problem<'_> {
-    /// Loads the motion and the weights of the samples from `start`; `lanes` makes a number of a function of the lane.
+    /// Loads the motion and the weights of the samples from `start`; `lanes` makes a number from a function of the lane.
     #[inline(always)]
     fn gather<T: Real>(&self, start: usize, scratch: &mut Scratch<T>, lanes: impl Fn(&dyn Fn(usize) -> f64) -> T) {
         for (series, values) in self.motion.iter().zip(&mut scratch.motion) {
@@ -90,7 +91,7 @@ impl Problem<'_> {
         }
     }
 
-    /// The derivatives by q, dq and ddq into the scratch.
+    /// Computes the derivatives with respect to q, dq and ddq in the scratch.
     #[inline(always)]
     fn slopes_of<T: Real>(&self, scratch: &mut Scratch<T>) {
         let Scratch { motion, weights, slopes, workspace, adjoint, dual } = scratch;
@@ -125,7 +126,7 @@ struct Batches<'a, 'b> {
 }
 
 impl WithSimd for Batches<'_, '_> {
-    /// Samples done: whole batches only.
+    /// Number of finished samples: whole batches only.
     type Output = usize;
 
     #[inline(always)]
@@ -168,7 +169,8 @@ mod tests {
         [Robot::parse(text, Path::new("r.toml")).unwrap()].into_iter().chain(files.map(read)).collect()
     }
 
-    /// Every kind of term that needs no recorded channel. A Stribeck exponent of one has a kink at rest, which differences do not see.
+    /// Every kind of term without a recorded channel. A Stribeck exponent of one has a kink at rest, which differences do not
+    /// see.
     const TERMS: &str = "
 [[term]]
 kind = 'joint-spring'
@@ -232,7 +234,7 @@ unit = 'N m'
         let regressor = Regressor::new(&model, &all);
         let sign = Sign::Smooth { scale: 0.4 };
         let (samples, h, size) = (11, 1e-6, n * all.len());
-        let wave = |w: f64| Series::from_values(n, (0..n * samples).map(|k| (w * k as f64).sin()).collect());
+        let wave = |w: f64| Series::shaped(n, (0..n * samples).map(|k| (w * k as f64).sin()).collect());
         let motion = [0.13, 0.7, 1.3].map(wave);
         let weights: Vec<f64> = (0..samples * size).map(|i| (0.37 * i as f64).cos()).collect();
         let sums = |motion: &[Series; 3]| -> Vec<f64> {
@@ -251,9 +253,9 @@ unit = 'N m'
                     (0..samples).for_each(|k| motion[order].sample_mut(k)[joint] += by);
                     sums(&motion)
                 };
-                let (behind, before) = (moved(h), moved(-h));
+                let (after, before) = (moved(h), moved(-h));
                 for k in 0..samples {
-                    let (found, central) = (slopes.sample(k)[joint], (behind[k] - before[k]) / (2.0 * h));
+                    let (found, central) = (slopes.sample(k)[joint], (after[k] - before[k]) / (2.0 * h));
                     let name = &robot.name;
                     assert!(
                         (found - central).abs() < 1e-7 * central.abs().max(10.0),

@@ -1,10 +1,10 @@
-//! Frames in frames, and bodies seen in them.
+//! Frames relative to frames, and rigid bodies expressed in them.
 
 use thetahat_ground::vector::{
     IDENTITY, Mat3, Vec3, add, dot, product, scale, times, transpose, transpose_times, turned,
 };
 
-/// A frame in another: `x = rotation x' + origin`.
+/// A frame relative to a parent frame: `x = rotation x' + origin`.
 #[derive(Debug, Clone, Copy)]
 #[doc(hidden)]
 pub struct Frame {
@@ -18,20 +18,20 @@ impl Frame {
     #[doc(hidden)]
     pub const SAME: Self = Self { rotation: IDENTITY, origin: [0.0; 3] };
 
-    /// A point of this frame in the frame in which it is given.
+    /// Transforms a point of this frame to the parent frame.
     #[doc(hidden)]
     pub fn of_point(&self, point: Vec3) -> Vec3 {
         add(self.origin, times(&self.rotation, point))
     }
 
-    /// The frame in which this one is given, in this one.
+    /// The parent frame relative to this one.
     #[doc(hidden)]
     pub fn inverse(&self) -> Self {
         let origin = scale(-1.0, transpose_times(&self.rotation, self.origin));
         Self { rotation: transpose(&self.rotation), origin }
     }
 
-    /// A frame that is given in this one, in the frame in which this one is given.
+    /// Composes: a frame relative to this one, expressed in the parent frame.
     #[doc(hidden)]
     pub fn then(&self, next: &Self) -> Self {
         Self { rotation: product(&self.rotation, &next.rotation), origin: self.of_point(next.origin) }
@@ -41,7 +41,7 @@ impl Frame {
 /// Mass, first moments and inertia about the origin of a frame.
 #[derive(Clone, Copy, Default, PartialEq)]
 #[doc(hidden)]
-pub struct Body {
+pub struct RigidBody {
     #[doc(hidden)]
     pub m: f64,
     #[doc(hidden)]
@@ -50,8 +50,8 @@ pub struct Body {
     pub inertia: Mat3,
 }
 
-impl Body {
-    /// The same body, given in a frame, about the origin in which that frame is given.
+impl RigidBody {
+    /// The body, given in a frame, about the origin of the parent frame.
     #[doc(hidden)]
     pub fn seen_in(&self, frame: &Frame) -> Self {
         let (p, s) = (frame.origin, times(&frame.rotation, self.ms));

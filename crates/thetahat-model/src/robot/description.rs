@@ -13,8 +13,8 @@ use super::{
 
 /// A robot, serial or a tree, with its transmission, friction model and a-priori parameters.
 ///
-/// Joint and link k stand at index k - 1 of `joints`, and own the parameters with number k. The *coordinates*, which q,
-/// tau, motors and recorded channels are counted by, are the joints that follow no other.
+/// Joint and link k have index k - 1 in `joints`, and own the parameters with number k. The *coordinates*, by which q, tau,
+/// motors and recorded channels are indexed, are the joints that follow no other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robot {
     /// Its name.
@@ -27,26 +27,26 @@ pub struct Robot {
     pub transmission: Transmission,
     /// The friction model of the joints.
     pub friction: Friction,
-    /// A-priori values by parameter name, as from CAD; what is not listed is zero.
+    /// A-priori values by parameter name, for example from CAD; parameters not listed are zero.
     pub a_priori: BTreeMap<String, f64>,
-    /// Joints of the description that were locked, and are no joints of this robot.
+    /// Joints of the description that were locked and are no longer joints of this robot.
     pub locked: Vec<LockedJoint>,
-    /// What its description says that no robot has.
+    /// Physically impossible values in its description.
     pub doubts: Vec<Doubt>,
-    /// Torque terms beside those of links and drives, as they are described; [`Robot::add_terms`] adds them.
+    /// Descriptions of torque terms in addition to those of links and drives; [`Robot::add_terms`] adds them.
     pub term_descriptions: Vec<TermDescription>,
-    /// Their columns.
+    /// The columns of the terms.
     pub terms: Vec<TermColumn>,
 }
 
-/// Something in a description that no robot has, and that is used as it is: a mass below zero in a URDF.
+/// A physically impossible value in a description that is used unchanged: for example a negative mass in a URDF.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Doubt {
     /// File, line and element.
     pub place: String,
-    /// What stands there, in words.
+    /// What it is, in words.
     pub what: String,
-    /// The number that cannot be.
+    /// The impossible value.
     pub value: f64,
     /// Its unit.
     pub unit: &'static str,
@@ -55,13 +55,13 @@ pub struct Doubt {
 }
 
 impl Robot {
-    /// Number of coordinates: of joints that follow no other.
+    /// Number of coordinates: the number of joints that follow no other.
     #[must_use]
     pub fn coordinate_count(&self) -> usize {
         self.coordinates().count()
     }
 
-    /// Number of moving joints, those that follow others included, and of moving links.
+    /// Number of moving joints, followers included, and of moving links.
     #[must_use]
     pub fn link_count(&self) -> usize {
         self.joints.len()
@@ -97,31 +97,31 @@ impl Robot {
         ParameterTable::new(&kinds, self.friction, &motors).with_terms(&self.terms)
     }
 
-    /// The recorded channels that its terms take, each once.
+    /// The recorded channels that its terms use, without duplicates.
     #[must_use]
     pub fn channels(&self) -> Vec<String> {
         channels_of(&self.terms)
     }
 
-    /// The parameter of a term that depends on accelerations, so that no simulation can have it.
+    /// The parameter of a term that depends on accelerations and therefore cannot be simulated.
     #[must_use]
     pub fn term_of_acceleration(&self) -> Option<&str> {
         self.terms.iter().find(|term| term.shape.needs_acceleration()).map(|term| term.parameter.as_str())
     }
 
-    /// The a-priori values in the order of the robot's table, zero where nothing is given.
+    /// The a-priori values in the order of the robot's table, zero if not given.
     #[must_use]
     pub fn a_priori_parameters(&self) -> Vec<f64> {
         self.a_priori_parameters_for(&self.parameter_table())
     }
 
-    /// The a-priori values in the order of a table, as of the same robot with another friction model.
+    /// The a-priori values in the order of a table, for example of the same robot with another friction model.
     #[must_use]
     pub fn a_priori_parameters_for(&self, table: &ParameterTable) -> Vec<f64> {
         table.iter().map(|p| self.a_priori.get(&p.name()).copied().unwrap_or(0.0)).collect()
     }
 
-    /// Takes another friction model; a-priori friction that holds for both signs of the velocity goes along.
+    /// Replaces the friction model; a-priori friction for both signs of the velocity is converted.
     pub(super) fn set_friction(&mut self, friction: Friction) {
         self.friction = friction;
         let own = friction.quantities();

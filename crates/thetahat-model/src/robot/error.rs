@@ -11,7 +11,7 @@ pub enum RobotError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         reason: String,
     },
     /// The file is not TOML of the expected form; the message names line and column.
@@ -56,14 +56,14 @@ pub enum RobotError {
         /// What is wrong with it, and what to do.
         problem: String,
     },
-    /// A description beyond any robot.
+    /// A description larger than any robot's.
     #[error("{}: the robot description has more than {limit} {what}, the most that is read", path.display())]
     TooLarge {
         /// The file.
         path: PathBuf,
-        /// What there is too much of.
+        /// The excess quantity.
         what: &'static str,
-        /// How much is read.
+        /// The largest number that is read.
         limit: usize,
     },
     /// A URDF that cannot be used.
@@ -84,10 +84,20 @@ pub enum RobotError {
         path: PathBuf,
         /// Line of the matrix.
         line: usize,
-        /// The row or condition that shows it.
+        /// The row or condition that is singular.
         reason: String,
     },
-    /// A value is not finite or not in its range.
+    /// A value is NaN or infinite.
+    #[error("{}: {key} is {found}, expected finite numbers", path.display())]
+    NotFinite {
+        /// The file.
+        path: PathBuf,
+        /// The key.
+        key: String,
+        /// The value.
+        found: f64,
+    },
+    /// A value is not in its range.
     #[error("{}: {key} is {found}, expected {expected}", path.display())]
     Value {
         /// The file.

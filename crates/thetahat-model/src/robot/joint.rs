@@ -2,10 +2,10 @@ use serde::{Deserialize, Serialize};
 
 use thetahat_ground::vector::{Mat3, Vec3};
 
-/// Moving joints of the largest robot that is read.
+/// Most moving joints of a robot that is read.
 pub(super) const MOST_JOINTS: usize = 100;
 
-/// Largest length in m, angle in rad, mass or ratio of a description: far beyond any robot, and far from overflow.
+/// Largest length in m, angle in rad, mass or ratio of a description: far above any robot's, and far from overflow.
 pub(super) const LARGEST: f64 = 1e9;
 
 /// How a joint moves.
@@ -19,7 +19,7 @@ pub enum JointKind {
 }
 
 impl JointKind {
-    /// Degrees as rad, mm as m.
+    /// Converts degrees to rad, mm to m.
     #[must_use]
     pub fn to_si(self, value: f64) -> f64 {
         match self {
@@ -28,7 +28,7 @@ impl JointKind {
         }
     }
 
-    /// Rad as degrees, m as mm.
+    /// Converts rad to degrees, m to mm.
     #[must_use]
     pub fn to_file(self, value: f64) -> f64 {
         match self {
@@ -56,28 +56,28 @@ impl JointKind {
     }
 }
 
-/// A moving joint with the link behind it.
+/// A moving joint and its link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
     /// Its name.
     pub name: String,
     /// How it moves.
     pub kind: JointKind,
-    /// The joint, by its index, whose link carries it; none where it stands on the base. Always a smaller index.
+    /// Index of the joint whose link carries it; none if it is on the base. Always smaller than its own index.
     pub parent: Option<usize>,
-    /// Where its frame is at coordinate zero. The joint moves about or along the z axis of that frame.
+    /// Its frame at coordinate zero. The joint moves about or along the z axis of that frame.
     pub placement: Placement,
-    /// The link's own axes, to which its inertial parameters refer, where they differ from the axes of the joint's
+    /// The link's own axes, to which its inertial parameters refer, if they differ from the axes of the joint's
     /// frame: the rotation `A` with `x_joint = A x_link`. Both have the same origin.
     pub link_axes: Option<[[f64; 3]; 3]>,
     /// The joint that it follows, if it has no coordinate of its own.
     pub mimic: Option<Mimic>,
-    /// Its limits, as far as they are known.
+    /// Its known limits.
     pub limits: Limits,
 }
 
-/// A joint frame in the frame of the joint before it: `Rot(z, gamma) Rot(x, alpha) Rot(z, theta)`, which any rotation
-/// is, and the origin.
+/// A joint frame relative to the frame of the joint before it: `Rot(z, gamma) Rot(x, alpha) Rot(z, theta)`, which represents
+/// any rotation, and the origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
     /// First angle, about z of the frame before, rad; zero in serial Denavit-Hartenberg robots.
@@ -97,11 +97,11 @@ pub struct Mimic {
     pub of: usize,
     /// Its velocity per velocity of the other.
     pub ratio: f64,
-    /// Its coordinate where the other's is zero, rad or m.
+    /// Its coordinate when the other's is zero, rad or m.
     pub offset: f64,
 }
 
-/// What a joint can do, as far as its description says.
+/// The limits of a joint that its description states.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Limits {
     /// Smallest coordinate, rad or m.
@@ -134,7 +134,7 @@ pub struct DenavitHartenberg {
     pub d: f64,
 }
 
-/// Below this sine of alpha, gamma and theta turn about the same axis, and theta alone is used.
+/// Sine of alpha below which gamma and theta turn about the same axis, and only theta is used.
 const PARALLEL: f64 = 1e-15;
 
 impl From<DenavitHartenberg> for Placement {
@@ -150,7 +150,7 @@ impl From<DenavitHartenberg> for Placement {
 }
 
 impl Placement {
-    /// The placement with a rotation, from the joint's frame to that before, and an origin.
+    /// The placement with a given rotation, from the joint's frame to the one before, and an origin.
     #[must_use]
     pub fn new(rotation: &[[f64; 3]; 3], origin: [f64; 3]) -> Self {
         let [_, _, z_axis] = thetahat_ground::vector::transpose(rotation);

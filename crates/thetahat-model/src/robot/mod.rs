@@ -6,13 +6,13 @@
 //!
 //! ```
 //! use std::path::Path;
-//! use thetahat::robot::Robot;
+//! use thetahat_model::robot::Robot;
 //! let text = "name = 'pendulum'\n[[joint]]\nname = 'pivot'\nkind = 'revolute'\n[parameters]\nzz1 = 0.5\nia1 = 0.3";
 //! let robot = Robot::parse(text, Path::new("pendulum.toml"))?;
 //! let table = robot.parameter_table();
 //! assert_eq!(table.index_of("zz1").map(|index| robot.a_priori_parameters()[index]), Some(0.5));
 //! assert_eq!(robot.coordinate_count(), 1);
-//! # Ok::<(), thetahat::robot::RobotError>(())
+//! # Ok::<(), thetahat_model::robot::RobotError>(())
 //! ```
 
 mod body;
@@ -32,7 +32,7 @@ mod tree;
 mod urdf;
 
 #[doc(hidden)]
-pub use body::{Body as RigidBody, Frame};
+pub use body::{Frame, RigidBody};
 pub use description::{Doubt, Robot};
 pub use error::RobotError;
 pub use joint::{DenavitHartenberg, Joint, JointKind, Limits, Mimic, Placement};

@@ -15,7 +15,7 @@ pub struct Parameter {
     pub number: usize,
     /// Unit in SI.
     pub unit: Cow<'static, str>,
-    /// Its own name, where it does not follow from quantity and number.
+    /// Its own name, if it does not follow from quantity and number.
     pub own_name: Option<String>,
 }
 
@@ -54,13 +54,14 @@ impl ParameterTable {
         Self { parameters: joints.chain(motors).map(|(quantity, j)| entry(quantity, j)).collect() }
     }
 
-    /// The value of a quantity of a link, joint or motor, from zero, among standard parameters; zero where the robot has it not.
+    /// The value of a quantity of a link, joint or motor, from zero, among standard parameters; zero if the robot does not have
+    /// it.
     #[must_use]
     pub fn value(&self, parameters: &[f64], quantity: Quantity, place: usize) -> f64 {
         self.index(quantity, place).map_or(0.0, |i| parameters[i])
     }
 
-    /// The same with the parameters of terms behind.
+    /// The table followed by the parameters of terms.
     #[must_use]
     pub fn with_terms(mut self, terms: &[TermColumn]) -> Self {
         let entry = |(column, term): (usize, &TermColumn)| Parameter {

@@ -1,4 +1,4 @@
-//! Which parameters a real robot can have: no motor inertia and no friction below zero, and links that are bodies.
+//! Physical bounds of parameters: motor inertias and friction are nonnegative, and links are rigid bodies.
 
 use super::{
     parameters::ParameterTable,
@@ -6,10 +6,10 @@ use super::{
 };
 use thetahat_ground::linear_algebra::Matrix;
 
-/// What rounding leaves of an inertia that is zero, relative to the largest.
+/// Size of an inertia, relative to the largest, below which it is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Why no real robot has a set of standard parameters.
+/// Why a set of standard parameters is physically impossible.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NotPhysical {
@@ -29,7 +29,7 @@ pub enum NotPhysical {
         /// Its mass, kg.
         mass: f64,
     },
-    /// No body can have the inertia of this link about its centre of mass.
+    /// The inertia of this link about its centre of mass is physically impossible.
     #[error(
         "link {link}: its principal inertias about the centre of mass are {:.3e}, {:.3e} and {:.3e}: not all positive, \
          or the largest above the sum of the others", principal[0], principal[1], principal[2]
@@ -43,11 +43,11 @@ pub enum NotPhysical {
 }
 
 impl ParameterTable {
-    /// Whether a real robot can have the standard parameters `theta`. A link whose inertial parameters are all zero passes:
-    /// nothing is known of it.
+    /// Checks that the standard parameters `theta` are physically possible. A link whose inertial parameters are all zero
+    /// passes: it is unknown.
     ///
     /// # Errors
-    /// [`NotPhysical`]: the first parameter below its bound, else the first link that is no body.
+    /// [`NotPhysical`]: the first parameter below its bound, otherwise the first impossible link.
     pub fn check_physical(&self, theta: &[f64]) -> Result<(), NotPhysical> {
         let below = |(parameter, value): &(&super::parameters::Parameter, &f64)| match parameter.quantity.bound() {
             Bound::NotNegative => **value < 0.0,
@@ -64,7 +64,7 @@ impl ParameterTable {
     }
 }
 
-/// Whether link number `link` is a body, by its parameters in the order of [`INERTIAL`].
+/// Checks that the parameters of link number `link`, in the order of [`INERTIAL`], are those of a rigid body.
 fn check_link(link: usize, inertial: [f64; 10]) -> Result<(), NotPhysical> {
     if inertial.iter().all(|v| *v == 0.0) {
         return Ok(());
@@ -92,8 +92,8 @@ pub(super) fn principal_inertias([xx, xy, xz, yy, yz, zz, mx, my, mz, mass]: [f6
     symmetric_eigenvalues(&Matrix::from_fn(3, 3, |i, j| at(i, j, upper[i][j])))
 }
 
-/// Whether a body can have these principal inertias, rising, given with so many digits that they differ by the part
-/// `rounding` of the largest.
+/// Whether these principal inertias, rising, are physically possible if their digits leave an error of the fraction `rounding`
+/// of the largest.
 pub(super) fn are_of_a_body([smallest, middle, largest]: [f64; 3], rounding: f64) -> bool {
     smallest >= -rounding * largest.abs() && smallest + middle >= largest - rounding * largest.abs()
 }

@@ -1,7 +1,7 @@
-//! What the standard parameters are: the one table of their names, roles, units and sign bounds.
+//! The table of standard parameters: their names, roles, units and sign bounds.
 //!
-//! A torque term is added in two files: here its quantity, its row and the friction model that has it; in
-//! `dynamics/terms.rs` its torque.
+//! A new torque term needs changes in two files: here its quantity, its row and its friction model; in `dynamics/terms.rs` its
+//! torque.
 
 use serde::Deserialize;
 
@@ -10,9 +10,9 @@ use super::joint::JointKind;
 /// What a standard parameter is, in the order of the paper's (2), motor parameters last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Quantity {
-    /// Of the link as a body.
+    /// Of the link as a rigid body.
     Link(LinkQuantity),
-    /// Of a joint's drive: it acts on that joint alone.
+    /// Of a joint's drive: it acts only on that joint.
     Joint(JointQuantity),
     /// Of a coupled motor: it acts on the coordinates that move the motor.
     Motor(MotorQuantity),
@@ -27,7 +27,7 @@ pub struct TermQuantity {
     pub column: usize,
     /// What kind of torque it gives.
     pub role: Role,
-    /// Which values it can physically have.
+    /// Its physical bound.
     pub bound: Bound,
 }
 
@@ -101,18 +101,18 @@ pub enum Role {
     ViscousFriction,
     /// Friction that jumps where the velocity changes its sign.
     CoulombFriction,
-    /// A torque beside inertia and friction, such as an offset.
+    /// A torque other than inertia and friction, for example an offset.
     Load,
 }
 
-/// Which values a parameter can physically have.
+/// The physical bound of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Bound {
     /// Any.
     Free,
     /// Zero or more.
     NotNegative,
-    /// Those of a body, together with the other inertial parameters of its link.
+    /// Those of a rigid body, together with the other inertial parameters of its link.
     Body,
 }
 
@@ -175,7 +175,7 @@ impl JointQuantity {
         self.row().name
     }
 
-    /// The parameters that stand for it where each sign of the velocity has its own.
+    /// The parameters that replace it in a friction model with separate values for each sign of the velocity.
     pub(super) fn sides(self) -> &'static [Self] {
         match self {
             Self::Fv => &[Self::Fvp, Self::Fvn],
@@ -216,7 +216,7 @@ impl MotorQuantity {
 }
 
 impl Quantity {
-    /// The name without its number, lower case; of a term, `term`: its parameter has a name of its own.
+    /// The name without its number, lower case; for a term, `term`: its parameter has its own name.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.row().name
@@ -228,13 +228,13 @@ impl Quantity {
         self.row().role
     }
 
-    /// Which values it can physically have.
+    /// Its physical bound.
     #[must_use]
     pub fn bound(self) -> Bound {
         self.row().bound
     }
 
-    /// Its unit in SI, for a joint of this kind; empty for a term, whose parameter has a unit of its own.
+    /// Its unit in SI, for a joint of this kind; empty for a term, whose parameter has its own unit.
     #[must_use]
     pub fn unit(self, kind: JointKind) -> &'static str {
         let unit = self.row().unit;

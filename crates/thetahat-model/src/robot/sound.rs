@@ -1,12 +1,12 @@
-//! Whether a robot that was not read from a file can be computed with.
+//! Checks whether a robot that was not read from a file is usable.
 
 use super::{Joint, Robot};
 use thetahat_ground::vector::{IDENTITY, Mat3, cross, dot, norm, product, transpose};
 
-/// Entries of `R R^T` may differ by this from those of the identity.
+/// Largest difference of the entries of `R R^T` from those of the identity.
 const ORTHONORMAL: f64 = 1e-9;
 
-/// What is wrong with a robot that was put together in a program.
+/// What is wrong with a robot that was built by a program.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("robot {robot}: {place} {problem}")]
 pub struct NotARobot {
@@ -19,8 +19,8 @@ pub struct NotARobot {
 }
 
 impl Robot {
-    /// Refuses what no description leads to: parents behind their children, rotations that are none, numbers that are not
-    /// finite, and a transmission to another number of joints.
+    /// Refuses what no description produces: parents after their children, invalid rotations, numbers that are not finite, and
+    /// a transmission for another number of joints.
     ///
     /// # Errors
     /// [`NotARobot`] with the joint.

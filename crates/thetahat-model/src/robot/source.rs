@@ -16,7 +16,7 @@ use thetahat_ground::{digest::sha256, files};
 /// Longest robot description, bytes.
 const LONGEST: u64 = 16 << 20;
 
-/// A file that a robot was read from, such that a later one can be told from it.
+/// A file that a robot was read from, with a digest that identifies its content.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RobotFile {
     /// Its name without folders.
@@ -34,7 +34,7 @@ impl RobotFile {
     }
 }
 
-/// The text that a robot is read from, complete in itself: with the text of the URDF that a TOML stands on.
+/// The complete text of a robot: including the text of the URDF that a TOML refers to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RobotSource {
     path: PathBuf,
@@ -43,7 +43,7 @@ pub struct RobotSource {
 }
 
 impl RobotSource {
-    /// Reads the description, and the URDF that it stands on.
+    /// Reads the description, and the URDF that it refers to.
     ///
     /// # Errors
     /// [`RobotError`] for a file that cannot be read.
@@ -71,28 +71,28 @@ impl RobotSource {
         &self.path
     }
 
-    /// The file of the URDF that a TOML stands on.
+    /// The file of the URDF that a TOML refers to.
     #[must_use]
     pub fn urdf_path(&self) -> Option<&Path> {
         self.urdf.as_ref().map(|(path, _)| path.as_path())
     }
 
-    /// The files, the description first and then the URDF that it stands on. Of a text that carries its URDF in itself, as
-    /// [`RobotSource::to_text`] makes it, the URDF alone.
+    /// The files, the description first and then the URDF that it refers to. For a text with an embedded URDF, as made by
+    /// [`RobotSource::to_text`], only the URDF.
     #[must_use]
     pub fn files(&self) -> Vec<RobotFile> {
         let own = (!toml_file::has_embedded_urdf(&self.text)).then(|| RobotFile::new(&self.path, &self.text));
         own.into_iter().chain(self.urdf.iter().map(|(path, text)| RobotFile::new(path, text))).collect()
     }
 
-    /// The text of the URDF that the robot is read from; none where a TOML gives the joints.
+    /// The text of the URDF that the robot is read from; none if a TOML defines the joints.
     #[must_use]
     pub fn urdf_text(&self) -> Option<&str> {
         let own = is_xml(&self.text).then_some(&self.text);
         own.or(self.urdf.as_ref().map(|(_, text)| text)).map(String::as_str)
     }
 
-    /// What the description is, for people: `URDF`, `TOML` or `TOML on URDF`.
+    /// The kind of description in words: `URDF`, `TOML` or `TOML on URDF`.
     #[must_use]
     pub fn format(&self) -> &'static str {
         match &self.urdf {
@@ -110,8 +110,8 @@ impl RobotSource {
         self.read_with(&[])
     }
 
-    /// The robot with joints locked, beside those that its description locks; `path` is the file that states `locks`, for
-    /// messages. Transmissions of a URDF that name only locked joints do not matter.
+    /// The robot with joints locked in addition to those that its description locks; `path` is the file that states `locks`,
+    /// for messages. Transmissions of a URDF that name only locked joints are ignored.
     ///
     /// # Errors
     /// As [`RobotSource::robot`], and [`RobotError::Lock`].
@@ -119,7 +119,7 @@ impl RobotSource {
         self.read_with(&[LocksOf { path, locks }])
     }
 
-    /// The robot as far as it can be told without the transmissions of a URDF, which may couple joints.
+    /// The robot without the transmissions of a URDF, which may couple joints.
     ///
     /// # Errors
     /// As [`RobotSource::robot`].
@@ -133,14 +133,14 @@ impl RobotSource {
 
     fn read_as(&self, transmissions: urdf::Transmissions, locks: &[LocksOf<'_>]) -> Result<Robot, RobotError> {
         if !is_xml(&self.text) {
-            return toml_file::read(&self.text, &self.path, (self.urdf.as_ref(), transmissions), locks);
+            return toml_file::read(&self.text, &self.path, self.urdf.as_ref(), transmissions, locks);
         }
         let whole = urdf::read(&self.text, &self.path, transmissions, locks)?;
         let values = resolve_all(&whole.joints, locks)?;
         merged(&whole, &values).map_err(|source| RobotError::lock(&self.path, source))
     }
 
-    /// One text with everything, from which [`Robot::parse`] makes the same robot without any file.
+    /// One text with everything, from which [`Robot::parse`] builds the same robot without any file.
     #[must_use]
     pub fn to_text(&self) -> String {
         match &self.urdf {
@@ -153,7 +153,7 @@ impl RobotSource {
 }
 
 impl Robot {
-    /// Reads a robot description: URDF where its text starts with `<`, else TOML, which may stand on a URDF.
+    /// Reads a robot description: URDF if its text starts with `<`, otherwise TOML, which may refer to a URDF.
     ///
     /// # Errors
     /// [`RobotError`], with the file and the line or key.
@@ -161,7 +161,7 @@ impl Robot {
         RobotSource::read(path)?.robot()
     }
 
-    /// Reads a robot description from its text, as of [`Robot::read`] or [`RobotSource::to_text`]; `path` is its name in
+    /// Reads a robot description from its text, as for [`Robot::read`] or from [`RobotSource::to_text`]; `path` is its name in
     /// messages, and the key `urdf` of a TOML is relative to its folder.
     ///
     /// # Errors

@@ -10,8 +10,8 @@ pub struct Transmission {
 }
 
 impl Transmission {
-    /// A transmission from the motor-joint matrix `N` (motors by joints), the joint offsets in rad or m, and the
-    /// drive gains `g_tau`. `None` where `N` is singular.
+    /// A transmission from the motor-joint matrix `N` (motors by joints), the joint offsets in rad or m, and the drive gains
+    /// `g_tau`. `None` if `N` is singular.
     #[must_use]
     pub fn new(matrix: Matrix, offset: Vec<f64>, drive_gain: Vec<f64>) -> Option<Self> {
         let inverse = matrix.inverse()?;
@@ -55,8 +55,8 @@ impl Transmission {
         self.offset.len()
     }
 
-    /// The motor velocities in joint units: `n = D^-1 N`, where D holds each motor's own gear ratio (the diagonal of N,
-    /// or the largest entry of the row where that is zero). `n` is the identity where nothing is coupled.
+    /// The motor velocities in joint units: `n = D^-1 N`, where D holds each motor's own gear ratio (the diagonal of N, or the
+    /// largest entry of the row if that is zero). `n` is the identity if nothing is coupled.
     #[must_use]
     pub fn motor_in_joint_units(&self) -> Matrix {
         let ratio: Vec<f64> = (0..self.joints()).map(|i| self.own_ratio(i)).collect();
@@ -82,7 +82,7 @@ impl Transmission {
         if diagonal == 0.0 { row.fold(0.0, larger) } else { diagonal }
     }
 
-    /// The gear ratio of each coordinate's own motor, whichever that is; none where motors are coupled.
+    /// The gear ratio of each coordinate's own motor; none if motors are coupled.
     #[must_use]
     pub fn ratios(&self) -> Option<Vec<f64>> {
         let of_coordinate = |j: usize| (0..self.joints()).map(|i| self.matrix.at(i, j)).find(|ratio| *ratio != 0.0);
@@ -97,7 +97,7 @@ impl Transmission {
         (0..self.joints()).filter(|&i| moves(i) > 1).collect()
     }
 
-    /// Whether a joint's torque, from zero, is that of several motors.
+    /// Whether several motors contribute to a joint's torque; the joint counts from zero.
     #[must_use]
     pub fn has_several_motors(&self, joint: usize) -> bool {
         (0..self.joints()).filter(|&i| self.matrix.at(i, joint) != 0.0).count() > 1
@@ -134,12 +134,12 @@ impl Transmission {
     }
 }
 
-/// `behind(A before(x))` for each sample x: what is before and behind the matrix takes a channel and its value.
+/// `after(A before(x))` for each sample x: `before` and `after` receive a channel and its value.
 fn product(
     a: &Matrix,
     series: &Series,
     before: impl Fn(usize, f64) -> f64,
-    behind: impl Fn(usize, f64) -> f64,
+    after: impl Fn(usize, f64) -> f64,
 ) -> Series {
     let mut products = Series::zeros(series.len(), a.rows());
     let mut x = vec![0.0; a.columns()];
@@ -147,7 +147,7 @@ fn product(
         x.iter_mut().zip(series.sample(k)).enumerate().for_each(|(j, (x, value))| *x = before(j, *value));
         for (i, y) in products.sample_mut(k).iter_mut().enumerate() {
             let sum = x.iter().enumerate().map(|(j, x)| a.at(i, j) * x).sum();
-            *y = behind(i, sum);
+            *y = after(i, sum);
         }
     }
     products
@@ -165,7 +165,7 @@ mod tests {
     #[test]
     fn positions_and_torques_go_there_and_back() {
         let t = coupled_wrist();
-        let q = Series::from_values(2, vec![0.3, -0.7, 1.1, 0.4]);
+        let q = Series::shaped(2, vec![0.3, -0.7, 1.1, 0.4]);
         let back = t.joint_positions(&t.motor_positions(&q));
         let tau = t.joint_torques(&t.drive_signals(&q));
         for k in 0..4 {
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn power_is_kept() {
         let t = Transmission::new(coupled_wrist().matrix().clone(), vec![0.0; 2], vec![1.0; 2]).unwrap();
-        let (dq, motor_torque) = (Series::from_values(2, vec![0.3, -0.7]), Series::from_values(2, vec![1.5, 0.2]));
+        let (dq, motor_torque) = (Series::shaped(2, vec![0.3, -0.7]), Series::shaped(2, vec![1.5, 0.2]));
         let power = |a: &Series, b: &Series| a.values().iter().zip(b.values()).map(|(a, b)| a * b).sum::<f64>();
         let joint = power(&t.joint_torques(&motor_torque), &dq);
         assert!((joint - power(&motor_torque, &t.motor_positions(&dq))).abs() < 1e-12);

@@ -1,11 +1,11 @@
-//! Orders and cycles of trees that are given by the parent of each node; nothing here recurses.
+//! Orders and cycles of trees that are given by the parent of each node, without recursion.
 
 use super::joint::{LARGEST, Mimic};
 
 /// Parents before children, depth first, children of one parent in the order given.
 ///
 /// # Errors
-/// The nodes of a cycle, from parent's child to child's parent, where there is one.
+/// The nodes of a cycle, from parent's child to child's parent, if there is one.
 pub(super) fn depth_first(parents: &[Option<usize>]) -> Result<Vec<usize>, Vec<usize>> {
     let mut children: Vec<Vec<usize>> = vec![Vec::new(); parents.len()];
     let mut waiting = Vec::new();
@@ -39,10 +39,10 @@ fn cycle(parents: &[Option<usize>], reached: &[usize]) -> Vec<usize> {
     path
 }
 
-/// Joints that follow a follower follow its leader.
+/// Makes joints that follow a follower follow its leader.
 ///
 /// # Errors
-/// The index of a joint that follows itself in the end, or by a number beyond [`LARGEST`].
+/// The index of a joint that ultimately follows itself, or follows by a number beyond [`LARGEST`].
 pub(super) fn resolve_mimics(mimics: &[Option<Mimic>]) -> Result<Vec<Option<Mimic>>, usize> {
     (0..mimics.len()).map(|joint| resolved(mimics, joint)).collect()
 }
@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn children_come_behind_their_parents_in_the_order_given() {
+    fn children_come_after_their_parents_in_the_order_given() {
         let parents = [Some(3), None, Some(1), Some(1), Some(3), None];
         assert_eq!(depth_first(&parents), Ok(vec![1, 2, 3, 0, 4, 5]));
     }

@@ -1,7 +1,7 @@
 //! A robot as data for people and programs: its structure, its standard and its base parameters.
 //!
 //! ```
-//! use thetahat::{robot::RobotSource, robot_summary::RobotSummary};
+//! use thetahat_model::{robot::RobotSource, robot_summary::RobotSummary};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! # let robots = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots");
 //! let source = RobotSource::read(&robots.join("tx40.toml"))?;

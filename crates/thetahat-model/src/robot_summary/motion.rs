@@ -1,4 +1,4 @@
-//! Where the joints of a robot are in the course of a motion.
+//! The positions of a robot's joints during a motion.
 
 use serde::Serialize;
 
@@ -8,14 +8,14 @@ use crate::{
 };
 use thetahat_ground::series::Series;
 
-/// The joints of a robot in space at moments of a motion, in the frame of the base.
+/// The joints of a robot in space at several moments of a motion, in the frame of the base.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MovingFrames {
     /// The moving joints.
     pub joints: Vec<FrameJoint>,
     /// Gravity, m/s^2.
     pub gravity: [f64; 3],
-    /// The number of the sample of each moment.
+    /// The sample number of each moment.
     pub samples: Vec<usize>,
     /// The origin of each joint at each moment, m.
     pub origins: Vec<Vec<[f64; 3]>>,

@@ -10,9 +10,9 @@ use crate::robot::{Doubt, JointKind, LockedJoint, Parameter};
 pub struct RobotSummary {
     /// Name of the robot.
     pub name: String,
-    /// The file that it was read from.
+    /// The file it was read from.
     pub source: String,
-    /// What that is: `URDF`, `TOML` or `TOML on URDF`.
+    /// The kind of file: `URDF`, `TOML` or `TOML on URDF`.
     pub format: &'static str,
     /// Acceleration of gravity in the base frame, m/s^2.
     pub gravity: [f64; 3],
@@ -20,26 +20,26 @@ pub struct RobotSummary {
     pub friction: &'static str,
     /// The moving joints.
     pub joints: Vec<JointSummary>,
-    /// The joints of the description that are locked, and are none of `joints`.
+    /// The locked joints of the description, which are not in `joints`.
     pub locked: Vec<LockedJoint>,
-    /// What the description says that no robot has.
+    /// Physically impossible values in the description.
     pub doubts: Vec<Doubt>,
     /// Motors to coordinates.
     pub transmission: TransmissionSummary,
     /// The standard parameters in order.
     pub standard_parameters: Vec<StandardParameterSummary>,
-    /// The base parameters in order; none where they are not clear.
+    /// The base parameters in order; none if they are not unique.
     pub base_parameters: Vec<BaseParameterSummary>,
     /// Why there are no base parameters.
     pub problem: Option<String>,
-    /// How many there are of each kind.
+    /// Numbers of parameters of each kind.
     pub counts: ParameterCounts,
 }
 
 /// A moving joint.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JointSummary {
-    /// Its number, which is also its link's.
+    /// Its number, which is also that of its link.
     pub number: usize,
     /// Its name.
     pub name: String,
@@ -47,7 +47,7 @@ pub struct JointSummary {
     pub kind: JointKind,
     /// The joint whose link carries it; none for the base.
     pub parent: Option<usize>,
-    /// Its place in q and tau, from one; none where it follows another joint.
+    /// Its index in q and tau, from one; none if it follows another joint.
     pub coordinate: Option<usize>,
     /// The joint that it follows.
     pub mimic: Option<MimicSummary>,
@@ -55,8 +55,8 @@ pub struct JointSummary {
     pub gamma_alpha_theta: [f64; 3],
     /// Origin in the frame before, m.
     pub origin: [f64; 3],
-    /// Rotation from the link's axes, to which its inertial parameters refer, to the axes of the joint's frame; none
-    /// where they are the same.
+    /// Rotation from the link's axes, to which its inertial parameters refer, to the axes of the joint's frame; none if they
+    /// are the same.
     pub link_axes: Option<[[f64; 3]; 3]>,
     /// Smallest coordinate, rad or m.
     pub lower: Option<f64>,
@@ -75,7 +75,7 @@ pub struct MimicSummary {
     pub joint: usize,
     /// Velocity per velocity of the other.
     pub ratio: f64,
-    /// Coordinate where the other joint's coordinate is zero, rad or m.
+    /// Coordinate when the other joint's coordinate is zero, rad or m.
     pub offset: f64,
 }
 
@@ -99,9 +99,9 @@ pub struct StandardParameterSummary {
     pub name: String,
     /// Its unit in SI.
     pub unit: Cow<'static, str>,
-    /// The value that the description gives; zero where it gives none.
+    /// The value in the description; zero if none is given.
     pub a_priori: f64,
-    /// Whether it acts on any torque; none where the base parameters are not clear.
+    /// Whether it acts on any torque; none if the base parameters are not unique.
     pub has_effect: Option<bool>,
     /// Its quantity and number.
     #[serde(skip)]
@@ -121,7 +121,7 @@ pub struct BaseParameterSummary {
     pub regrouped: Vec<(String, f64)>,
     /// Its unit in SI.
     pub unit: Cow<'static, str>,
-    /// Its value by the a-priori values.
+    /// Its value from the a-priori values.
     pub a_priori: f64,
 }
 
@@ -145,9 +145,9 @@ pub struct ParameterCount {
 pub struct ParameterCounts {
     /// Standard parameters.
     pub standard: ParameterCount,
-    /// Those of them that act on no torque.
+    /// Standard parameters that act on no torque.
     pub without_effect: ParameterCount,
-    /// Base parameters, by what is kept.
+    /// Base parameters, by the kind of the kept parameter.
     pub base: ParameterCount,
 }
 

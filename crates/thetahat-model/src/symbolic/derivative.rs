@@ -3,11 +3,11 @@
 use super::graph::{Array, Graph, Node, NodeId, Signed};
 use crate::robot::MathFunction;
 
-/// The derivatives of values with respect to an input. The sign of a velocity is taken as constant, and so are steps.
+/// The derivatives of values with respect to an input. The sign of a velocity and steps are treated as constant.
 pub(super) fn derivatives(graph: &mut Graph, of: &[Signed], array: Array, index: usize) -> Vec<Signed> {
     let input = graph.input(array, index);
     let zero = graph.constant(0.0);
-    // Operands stand before what is made of them: no recursion is needed.
+    // Operands come before the nodes that use them: no recursion is needed.
     let last = of.iter().map(|value| value.node.index() + 1).max().unwrap_or(0);
     let mut forward = Forward { graph, found: vec![zero; last] };
     let needed = forward.needed(of, last);
@@ -20,12 +20,12 @@ pub(super) fn derivatives(graph: &mut Graph, of: &[Signed], array: Array, index:
 
 struct Forward<'a> {
     graph: &'a mut Graph,
-    /// The derivative of each node, zero of those that are not needed.
+    /// The derivative of each node; zero for nodes that are not needed.
     found: Vec<Signed>,
 }
 
 impl Forward<'_> {
-    /// Whether values depend on each node.
+    /// Whether the values depend on each node.
     fn needed(&self, of: &[Signed], last: usize) -> Vec<bool> {
         let mut needed = vec![false; last];
         of.iter().for_each(|value| needed[value.node.index()] = true);
@@ -79,7 +79,7 @@ impl Forward<'_> {
         self.graph.multiply(slope, change)
     }
 
-    /// The derivative of a function of one argument, whose value is `own`.
+    /// The derivative of a function of one argument; `own` is its value.
     fn slope(&mut self, function: MathFunction, own: Signed, a: Signed) -> Signed {
         use MathFunction as F;
         let one = self.graph.constant(1.0);
@@ -115,7 +115,7 @@ impl Forward<'_> {
         }
     }
 
-    /// `1 / (c + d a^2)`, or of its square root.
+    /// `1 / (c + d a^2)`, or one over its square root.
     fn over_square(&mut self, a: Signed, [c, d]: [f64; 2], rooted: bool) -> Signed {
         let (c, d, one) = (self.graph.constant(c), self.graph.constant(d), self.graph.constant(1.0));
         let square = self.graph.multiply(a, a);
@@ -125,7 +125,7 @@ impl Forward<'_> {
         self.graph.divide(one, below)
     }
 
-    /// The derivative of a function of two arguments, whose value is `own`.
+    /// The derivative of a function of two arguments; `own` is its value.
     fn of_two(&mut self, function: MathFunction, own: Signed, [a, b]: [Signed; 2]) -> Signed {
         use MathFunction as F;
         match function {
@@ -151,7 +151,7 @@ impl Forward<'_> {
             }
             F::Larger | F::Smaller => {
                 let difference = self.graph.add(a, b.times_sign(true));
-                // 1 where the first counts, -1 where the second does.
+                // 1 if the first argument is selected, -1 if the second is.
                 let side = self.graph.sign(difference).times_sign(function == F::Smaller);
                 let half = self.graph.constant(0.5);
                 let (da, db) = (self.of(a), self.of(b));

@@ -25,12 +25,12 @@ impl<'g> Drives<'_, 'g> {
         move |quantity| self.value(Quantity::Motor(quantity), motor.motor)
     }
 
-    /// Inertia of the motor and the gears of a joint, seen at the joint.
+    /// Inertia of the motor and the gears of a joint, in joint units.
     pub(super) fn motor_inertia(&self, joint: usize) -> Expression<'g> {
         self.value(Quantity::Joint(JointQuantity::Ia), joint)
     }
 
-    /// Coordinates and inertia between them, each ordered pair of different coordinates of each coupled motor.
+    /// Coordinates and the inertia between them, for each ordered pair of different coordinates of each coupled motor.
     pub(super) fn coupled_inertias(&self) -> impl Iterator<Item = (usize, usize, Expression<'g>)> {
         let of_motor = |motor: &CoupledMotor| {
             let inertia = self.of_motor(motor)(MotorQuantity::Iam);
@@ -62,7 +62,7 @@ impl<'g> Drives<'_, 'g> {
         }
     }
 
-    /// Symmetric friction, or friction whose sides are told apart by the sign of the velocity.
+    /// Symmetric friction, or friction whose sides are selected by the sign of the velocity.
     fn joint_friction(&self, joint: usize, dq: Expression<'g>) -> Expression<'g> {
         let zero = self.chain.builder.zero();
         let [mut viscous, mut viscous_by_side, mut coulomb, mut constant] = [zero; 4];

@@ -4,47 +4,47 @@ use crate::base_parameters::BaseParametersError;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SymbolicError {
-    /// The base parameters are not clear.
+    /// The base parameters are not unique.
     #[error("{0}")]
     BaseParameters(#[from] BaseParametersError),
-    /// A torque term takes a recorded channel.
+    /// A torque term uses a recorded channel.
     #[error(
         "the torque term of `{parameter}` takes the recorded channel `{channel}`, which is no input of generated code; take the term \
-         out of the robot's description, or generate --model mass-matrix, gravity, coriolis, forward-kinematics or jacobian, which \
-         it does not change"
+         out of the robot's description, or generate a function that it does not change (mass matrix, gravity torques, Coriolis \
+         matrix, forward kinematics or Jacobian)"
     )]
     Channel {
-        /// Its parameter.
+        /// The term's parameter.
         parameter: String,
         /// The channel.
         channel: String,
     },
-    /// A torque term takes accelerations, which are what direct dynamics finds.
+    /// A torque term depends on accelerations, which direct dynamics computes.
     #[error(
         "the torque term of `{parameter}` takes accelerations, which direct dynamics would have to find from themselves; take the \
-         term out of the robot's description, or generate --model idm or regressor"
+         term out of the robot's description, or generate the inverse dynamic model or the regressor"
     )]
     Acceleration {
-        /// Its parameter.
+        /// The term's parameter.
         parameter: String,
     },
-    /// A user's expression has no form in generated code.
+    /// A user-defined expression cannot be written as generated code.
     #[error("the expression of `{parameter}` has no form in generated code: {problem}; write it with other operators")]
     Expression {
-        /// Its parameter.
+        /// The expression's parameter.
         parameter: String,
         /// Why.
         problem: String,
     },
-    /// Parameters of other number than the model has.
+    /// The number of parameter values differs from that of the model.
     #[error("{found} parameter values, and the robot has {expected} standard parameters; give one for each")]
     Values {
-        /// Those given.
+        /// Number given.
         found: usize,
-        /// Those of the robot.
+        /// Number of standard parameters of the robot.
         expected: usize,
     },
-    /// The values of the parameters give no accelerations.
+    /// The mass matrix of these parameter values is not positive definite.
     #[error(
         "with these parameter values the mass matrix is not positive definite at joint `{joint}`; give its link an inertia \
          or its motor an `ia` above zero"
@@ -54,26 +54,24 @@ pub enum SymbolicError {
         joint: String,
     },
     /// The robot states no parameters.
-    #[error(
-        "{robot}: states no parameter values; give --parameters symbolic, a results.json, or values under [parameters]"
-    )]
+    #[error("{robot}: states no parameter values, which the generated code is to hold")]
     NoValues {
         /// The robot.
         robot: String,
     },
     /// A name from which no identifier can be made.
-    #[error("`{name}` gives no name that C, Rust, Python and MATLAB can have; give one with --name, such as arm")]
+    #[error("`{name}` gives no name that C, Rust, Python and MATLAB can have; give one, such as arm")]
     NoIdentifier {
         /// The name.
         name: String,
     },
-    /// A name given by the user that a language cannot have.
+    /// A given name that is not a valid identifier.
     #[error(
         "`{name}` is no name that C, Rust, Python and MATLAB can have; use letters, digits and _, a letter first, {longest} at \
          most"
     )]
     NotAnIdentifier {
-        /// The name.
+        /// The largest allowed length.
         name: String,
         /// The longest that can be had.
         longest: usize,

@@ -1,4 +1,4 @@
-//! Expressions to calculate with: handles of nodes in a [`Builder`].
+//! Expressions with arithmetic operators: handles of nodes in a [`Builder`].
 
 use std::{
     cell::RefCell,
@@ -11,7 +11,7 @@ use super::{
 };
 use crate::robot::MathFunction;
 
-/// Where expressions are made.
+/// Creates expressions.
 #[derive(Debug, Default)]
 pub(super) struct Builder {
     graph: RefCell<Graph>,
@@ -61,7 +61,7 @@ impl Builder {
 }
 
 impl<'g> Expression<'g> {
-    /// The number that it is, if it is one.
+    /// Its value, if it is a constant.
     pub(super) fn number(self) -> Option<f64> {
         self.builder.graph.borrow().value(self.value)
     }
@@ -101,7 +101,7 @@ impl<'g> Expression<'g> {
         self.with(other, |graph, a, b| graph.function(function, a, Some(b)))
     }
 
-    /// The derivatives of expressions with respect to an input; the sign of a velocity is taken as constant.
+    /// The derivatives of expressions with respect to an input; the sign of a velocity is treated as constant.
     pub(super) fn derivatives(of: &[Self], array: Array, index: usize) -> Vec<Self> {
         let Some(builder) = of.first().map(|first| first.builder) else { return Vec::new() };
         let mut graph = builder.graph.borrow_mut();

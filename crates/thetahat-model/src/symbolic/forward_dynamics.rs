@@ -1,9 +1,9 @@
-//! Accelerations from torques: the mass matrix, the torques without acceleration, and `L D L^T`.
+//! Accelerations from torques: the mass matrix, the torques at zero acceleration, and `L D L^T`.
 
 use super::{expression::Expression, mass_matrix::place};
 
-/// Solves `M x = b` for the lower triangle of a positive definite matrix; the error is the coordinate at which a matrix of
-/// numbers is not.
+/// Solves `M x = b` for the lower triangle of a positive definite matrix; the error is the coordinate at which a numeric matrix
+/// is not positive definite.
 pub(super) fn solve<'g>(mut m: Vec<Expression<'g>>, mut b: Vec<Expression<'g>>) -> Result<Vec<Expression<'g>>, usize> {
     let n = b.len();
     let mut inverse_pivots = Vec::with_capacity(n);

@@ -1,18 +1,18 @@
-//! Expressions that share what they have in common.
+//! Expressions with shared subexpressions.
 //!
-//! A node is made once: constants, zeros and ones are folded, signs stand outside the nodes, and the operands of sums and
-//! products are in a fixed order, so that `a - b` and `b - a` are one node.
+//! Each node exists once: constants, zeros and ones are folded, signs are stored outside the nodes, and the operands of sums
+//! and products are in a fixed order, so that `a - b` and `b - a` are one node.
 
 use std::collections::HashMap;
 
 use crate::robot::MathFunction;
 
-/// Part of the larger operand below which a sum of constants is rounding.
+/// Fraction of the larger operand below which a sum of constants is rounding.
 const CANCELLED: f64 = 4.0 * f64::EPSILON;
-/// Largest power that is a product.
+/// Largest power that is expanded to a product.
 const MOST_FACTORS: f64 = 4.0;
 
-/// What a generated function takes.
+/// An input of a generated function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Array {
     /// Positions of the coordinates, rad or m.
@@ -52,7 +52,7 @@ pub(super) enum Node {
     Difference(NodeId, NodeId),
     Product(NodeId, NodeId),
     Quotient(NodeId, NodeId),
-    /// Of one argument or of two.
+    /// A function of one or two arguments.
     Function(MathFunction, Signed, Option<Signed>),
 }
 
@@ -67,7 +67,7 @@ pub(super) enum Level {
     State,
 }
 
-/// Nodes, operands before what is made of them.
+/// Nodes, operands before the nodes that use them.
 #[derive(Debug, Default)]
 pub(super) struct Graph {
     nodes: Vec<Node>,
@@ -113,7 +113,7 @@ impl Graph {
         self.nodes[id.index()]
     }
 
-    /// The node at a place.
+    /// The node at an index.
     pub(super) fn id(&self, place: usize) -> NodeId {
         debug_assert!(place < self.nodes.len());
         NodeId(place as u32)
@@ -161,7 +161,7 @@ impl Graph {
         self.intern(Node::Input(array, index))
     }
 
-    /// The number that a value is, if it is one.
+    /// The value, if it is a constant.
     pub(super) fn value(&self, of: Signed) -> Option<f64> {
         match self.node(of.node) {
             Node::Constant(bits) if of.negative => Some(-f64::from_bits(bits)),
@@ -182,7 +182,7 @@ impl Graph {
         self.value(of) == Some(0.0)
     }
 
-    /// Whether it is known once the parameters are.
+    /// Whether it is known from the parameters alone.
     fn is_fixed(&self, id: NodeId) -> bool {
         self.level(id) < Level::State
     }
@@ -246,7 +246,7 @@ impl Graph {
         Some(self.multiply(factor, x.positive()))
     }
 
-    /// A value as what is known late times what is known earlier: the parameters, or a number.
+    /// Splits a value into a factor known later and one known earlier: from the parameters, or a number.
     fn earlier_factor(&mut self, of: Signed) -> (NodeId, Signed) {
         if let Node::Product(a, b) = self.node(of.node) {
             match (self.level(a) < self.level(of.node), self.level(b) < self.level(of.node)) {
@@ -259,7 +259,7 @@ impl Graph {
         (of.node, one.times_sign(of.negative))
     }
 
-    /// `(x + p) + r = x + (p + r)` where `p` and `r` are known once the parameters are.
+    /// `(x + p) + r = x + (p + r)` if `p` and `r` are known from the parameters alone.
     fn with_fixed_part(&mut self, a: Signed, b: Signed) -> Option<Signed> {
         let (sum, part) = match (self.is_fixed(a.node), self.is_fixed(b.node)) {
             (false, true) => (a, b),
@@ -327,7 +327,7 @@ impl Graph {
         self.product(factor, of)
     }
 
-    /// Of two values that are not both numbers: what is known early is taken together.
+    /// The product of two values that are not both numbers: early factors are combined.
     fn product(&mut self, a: Signed, b: Signed) -> Signed {
         let (early, late) = if self.level(a.node) <= self.level(b.node) { (a, b) } else { (b, a) };
         if self.level(late.node) == Level::State && self.level(early.node) == Level::State {
@@ -352,7 +352,7 @@ impl Graph {
         self.intern(Node::Product(first, second))
     }
 
-    /// A function beside sine and cosine, of one argument or of two.
+    /// A function other than sine and cosine, of one or two arguments.
     pub(super) fn function(&mut self, function: MathFunction, a: Signed, b: Option<Signed>) -> Signed {
         let numbers = [Some(a), b].map(|argument| argument.map(|argument| self.value(argument)));
         match numbers {

@@ -1,9 +1,9 @@
-//! Links as pseudo-inertias, in a gauge in which as few of their parameters as possible are not zero.
+//! Links as pseudo-inertias, with as few nonzero parameters as possible.
 //!
 //! The pseudo-inertia of a link about its frame's origin is `L = int r r^T dm`, `l = int r dm` and `m`; its inertia is
-//! `tr(L) 1 - L`. What stands on a revolute joint's axis belongs as well to the link before: `Lzz`, `lz` and `m` are moved
-//! there, from the tips to the base, and a link keeps seven parameters. A link behind a prismatic joint does not turn beside
-//! the link before, which takes its whole `L`.
+//! `tr(L) 1 - L`. Mass on a revolute joint's axis can equally be assigned to the link before: `Lzz`, `lz` and `m` are moved
+//! there, from the tips to the base, and a link keeps seven parameters. The link of a prismatic joint does not turn relative to
+//! the link before, which receives its whole `L`.
 
 use super::{
     expression::{Expression, Matrix, Vector, add},
@@ -39,12 +39,12 @@ impl<'g> PseudoInertia<'g> {
         Self { second, first: add(self.first, other.first), mass: self.mass + other.mass }
     }
 
-    /// In units of length: a torque stays what it is.
+    /// Converts to units of length; torques keep their values.
     fn in_units(&self, unit: f64) -> Self {
         Self { second: self.second, first: self.first.map(|l| l * unit), mass: self.mass * (unit * unit) }
     }
 
-    /// From the link's own axes to its joint's frame, where they differ.
+    /// Transforms from the link's own axes to its joint's frame, if they differ.
     fn in_joint_axes(&self, axes: Option<&Mat3>) -> Self {
         let Some(axes) = axes else { return *self };
         let turned = |x: Vector<'g>| axes.map(|row| x[0] * row[0] + x[1] * row[1] + x[2] * row[2]);
@@ -52,14 +52,14 @@ impl<'g> PseudoInertia<'g> {
         Self { second: half.map(turned), first: turned(self.first), mass: self.mass }
     }
 
-    /// From the tilted frame of a joint to the frame before, about its origin.
+    /// Transforms from the tilted frame of a joint to the frame before, about its origin.
     fn out_of_tilted(&self, joint: &Joint<'g>) -> Self {
         let half = transpose(&self.second.map(|row| joint.tilted_back(row)));
         let second = half.map(|column| joint.tilted_back(column));
         Self { second, first: joint.tilted_back(self.first), mass: self.mass }.shifted(joint.foot)
     }
 
-    /// About a point of the z axis, from which its origin is so far along it.
+    /// The pseudo-inertia about a point of the z axis, from which its origin is at `length` along it.
     fn shifted_along(&self, length: Expression<'g>) -> Self {
         let mut moved = *self;
         let [x, y, z] = self.first;
@@ -72,17 +72,17 @@ impl<'g> PseudoInertia<'g> {
         moved
     }
 
-    /// About a point in which its origin stands at `p`.
+    /// The pseudo-inertia about a point from which its origin is at `p`.
     fn shifted(&self, p: Vector<'g>) -> Self {
         let (l, m) = (self.first, self.mass);
-        // p l^T + l p^T + m p p^T with l + m p once.
+        // p l^T + l p^T + m p p^T with l + m p computed once.
         let moved = add(l, p.map(|entry| m * entry));
         let entry = |i: usize, j: usize| self.second[i][j] + p[i] * l[j] + moved[i] * p[j];
         let second = [0, 1, 2].map(|i| [0, 1, 2].map(|j| if j < i { entry(j, i) } else { entry(i, j) }));
         Self { second, first: moved, mass: m }
     }
 
-    /// From a joint's frame to the frame before.
+    /// Transforms from a joint's frame to the frame before.
     pub(super) fn moved_to_parent(&self, joint: &Joint<'g>) -> Self {
         let here = self.shifted_along(joint.along);
         let [xx, yy, xy] = turned_in_plane(joint, here.second);
@@ -91,7 +91,8 @@ impl<'g> PseudoInertia<'g> {
         Self { second, first: joint.turned_back(here.first), mass: self.mass }.out_of_tilted(joint)
     }
 
-    /// What stays with a link behind a joint, and what belongs to the link before as well, in the joint's tilted frame.
+    /// Splits a link's pseudo-inertia into the part that it keeps and the part that moves to the link before, in the joint's
+    /// tilted frame.
     fn split(&self, joint: &Joint<'g>, chain: &Chain<'g>) -> (Self, Self) {
         let none = Self::none(chain);
         let (mut own, mut given) = (*self, none);
@@ -109,7 +110,7 @@ impl<'g> PseudoInertia<'g> {
     }
 }
 
-/// `xx`, `yy` and `xy` of second moments, turned back about z.
+/// `xx`, `yy` and `xy` of second moments, rotated back about z.
 fn turned_in_plane<'g>(joint: &Joint<'g>, [[xx, xy, _], [_, yy, _], _]: Matrix<'g>) -> [Expression<'g>; 3] {
     let (s, c) = joint.sine_and_cosine();
     let difference = xx - yy;
@@ -120,7 +121,7 @@ fn turned_in_plane<'g>(joint: &Joint<'g>, [[xx, xy, _], [_, yy, _], _]: Matrix<'
     [xx - shift, yy + shift, c * mixed - s * across]
 }
 
-/// The links of a robot in the gauge, in the frames of their joints, of its standard parameters `theta`.
+/// The links of a robot with transferred parameters, in the frames of their joints, from its standard parameters `theta`.
 pub(super) fn links<'g>(chain: &Chain<'g>, robot: &Robot, theta: &[Expression<'g>]) -> Vec<PseudoInertia<'g>> {
     let table = robot.parameter_table();
     let link = |k: usize| {
@@ -143,7 +144,7 @@ pub(super) fn links<'g>(chain: &Chain<'g>, robot: &Robot, theta: &[Expression<'g
     links
 }
 
-/// Second moments alone, which no shift of the joint changes.
+/// Only second moments, which no displacement of the joint changes.
 fn turned_only<'g>(given: &PseudoInertia<'g>, joint: &Joint<'g>) -> PseudoInertia<'g> {
     let half = transpose(&given.second.map(|row| joint.tilted_back(row)));
     PseudoInertia { second: half.map(|column| joint.tilted_back(column)), ..*given }

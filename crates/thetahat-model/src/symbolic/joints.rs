@@ -1,4 +1,4 @@
-//! The joints of a robot as the recursions need them.
+//! The joints of a robot in the form the recursions need.
 
 use super::{
     expression::{Builder, Expression, Matrix, Vector, times},
@@ -7,7 +7,7 @@ use super::{
 };
 use crate::robot::{Joint as RobotJoint, JointKind, Robot};
 
-/// Part of a length below which what is left of it is rounding.
+/// Fraction of a length below which a remainder is rounding.
 const ROUNDING: f64 = 1e-14;
 
 /// A joint, with its frame in the frame before. All lengths are in the unit of length of the [`Chain`].
@@ -15,19 +15,19 @@ const ROUNDING: f64 = 1e-14;
 pub(super) struct Joint<'g> {
     pub(super) is_revolute: bool,
     pub(super) parent: Option<usize>,
-    /// The coordinate that moves it: it stands at `ratio q + offset`.
+    /// The coordinate that moves it: its position is `ratio q + offset`.
     pub(super) coordinate: usize,
     pub(super) ratio: f64,
-    /// `Rot(z, gamma)` and `Rot(x, alpha)` by sine and cosine: the part of its rotation that stays.
+    /// `Rot(z, gamma)` and `Rot(x, alpha)` by sine and cosine: the constant part of its rotation.
     gamma: (f64, f64),
     alpha: (f64, f64),
     /// `Rot(z, theta)`, which a revolute joint turns.
     theta: (Expression<'g>, Expression<'g>),
-    /// The turn of this joint and of all those before it that turn about parallel axes, where the joint before is one.
+    /// The turn of this joint and all previous joints with parallel axes, if the joint before is one of them.
     together: Option<(Expression<'g>, Expression<'g>)>,
-    /// Where its axis passes the origin of the frame before, in that frame.
+    /// The point of its axis nearest to the origin of the frame before, in that frame.
     pub(super) foot: Vector<'g>,
-    /// From there to its own origin, along its axis.
+    /// From that point to its own origin, along its axis.
     pub(super) along: Expression<'g>,
 }
 
@@ -37,7 +37,7 @@ pub(super) struct Chain<'g> {
     pub(super) builder: &'g Builder,
     pub(super) joints: Vec<Joint<'g>>,
     pub(super) coordinates: usize,
-    /// The unit of length, m: 1 where a joint slides.
+    /// The unit of length, m: 1 if a joint is prismatic.
     pub(super) unit: f64,
     /// Acceleration of gravity, units of length per s^2.
     pub(super) gravity: [f64; 3],
@@ -49,7 +49,7 @@ impl<'g> Chain<'g> {
         let coordinates = robot.coordinate_joints();
         let joint = |(j, joint): (usize, &RobotJoint)| {
             let leader = joint.mimic.map_or(j, |mimic| mimic.of);
-            // A leader follows none.
+            // A leader follows no joint.
             let coordinate = coordinates.partition_point(|&own| own < leader);
             Joint::new(builder, joint, coordinate, unit)
         };
@@ -126,12 +126,12 @@ impl<'g> Joint<'g> {
         self.tilted_back(builder.constants([0.0, 0.0, 1.0]))
     }
 
-    /// Its own velocity or acceleration, of those of the coordinates.
+    /// Its own velocity or acceleration, given the rates of the coordinates.
     pub(super) fn rate(&self, rates: &[Expression<'g>]) -> Expression<'g> {
         rates[self.coordinate] * self.ratio
     }
 
-    /// A vector of the frame before in the tilted one, whose z axis is the joint's.
+    /// Transforms a vector of the frame before to the tilted one, whose z axis is the joint's.
     pub(super) fn tilted(&self, x: Vector<'g>) -> Vector<'g> {
         let [x, y, z] = x;
         let (s, c) = self.gamma;
@@ -149,13 +149,13 @@ impl<'g> Joint<'g> {
         [x * c - y * s, x * s + y * c, z]
     }
 
-    /// A vector of the tilted frame in the joint's own.
+    /// Transforms a vector of the tilted frame to the joint's own.
     pub(super) fn turned(&self, x: Vector<'g>) -> Vector<'g> {
         let (s, c) = self.theta;
         [c * x[0] + s * x[1], c * x[1] - s * x[0], x[2]]
     }
 
-    /// A vector of the tilted frame in the joint's own, by one turn with the parallel joints before.
+    /// Transforms a vector of the tilted frame to the joint's own, by one turn for all parallel joints.
     ///
     /// `level` is the vector in the tilted frame of the first of them.
     pub(super) fn turned_at_once(&self, tilted: Vector<'g>, level: Vector<'g>) -> Vector<'g> {
@@ -169,7 +169,7 @@ impl<'g> Joint<'g> {
         [c * x[0] - s * x[1], s * x[0] + c * x[1], x[2]]
     }
 
-    /// A vector of the frame before in the joint's own.
+    /// Transforms a vector of the frame before to the joint's own.
     pub(super) fn seen(&self, x: Vector<'g>) -> Vector<'g> {
         self.turned(self.tilted(x))
     }
@@ -179,12 +179,12 @@ impl<'g> Joint<'g> {
         self.tilted_back(self.turned_back(x))
     }
 
-    /// `R^T A R`: a matrix of the frame before in the joint's own.
+    /// `R^T A R`: transforms a matrix of the frame before to the joint's own.
     pub(super) fn seen_matrix(&self, a: &Matrix<'g>) -> Matrix<'g> {
         transpose(&transpose(&a.map(|row| self.seen(row))).map(|column| self.seen(column)))
     }
 
-    /// `R^T A C z`: what `A` makes of the joint's axis, in the tilted frame.
+    /// `R^T A C z`: the product of `A` and the joint's axis, in the tilted frame.
     pub(super) fn axis_column(&self, a: &Matrix<'g>, builder: &'g Builder) -> Vector<'g> {
         self.tilted(times(a, self.axis(builder)))
     }
@@ -194,7 +194,7 @@ impl<'g> Joint<'g> {
     }
 }
 
-/// An origin as a point of the axis and the length along it, with as few lengths that are not zero as there are.
+/// Splits an origin into a point of the axis and the length along it, with as few nonzero lengths as possible.
 fn split(origin: [f64; 3], gamma: f64, alpha: f64) -> ([f64; 3], f64) {
     let ((sin_gamma, cos_gamma), (sin_alpha, cos_alpha)) = (exact_sin_cos(gamma), exact_sin_cos(alpha));
     let axis = [sin_gamma * sin_alpha, -cos_gamma * sin_alpha, cos_alpha];
@@ -205,7 +205,7 @@ fn split(origin: [f64; 3], gamma: f64, alpha: f64) -> ([f64; 3], f64) {
     };
     let foot = [0, 1, 2].map(rest);
     let lengths = |of: &[f64]| of.iter().filter(|length| **length != 0.0).count();
-    // An axis that is askew to the frame before would only add lengths.
+    // For an axis skew to the frame before, the split would only add lengths.
     if lengths(&foot) + lengths(&[along]) > lengths(&origin) { (origin, 0.0) } else { (foot, along) }
 }
 
@@ -213,7 +213,7 @@ pub(super) fn transpose<'g>(a: &Matrix<'g>) -> Matrix<'g> {
     [0, 1, 2].map(|j| [a[0][j], a[1][j], a[2][j]])
 }
 
-/// Sine and cosine of the sum of two angles: a fixed right angle is a change of place and sign.
+/// Sine and cosine of the sum of two angles: a fixed right angle only swaps them and changes signs.
 fn turned_by<'g>(
     (s, c): (Expression<'g>, Expression<'g>),
     by: (Expression<'g>, Expression<'g>),

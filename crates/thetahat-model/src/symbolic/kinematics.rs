@@ -1,11 +1,11 @@
-//! Where the tips of a robot are, and how they move with the coordinates.
+//! The poses of a robot's tips, and their derivatives with respect to the coordinates.
 
 use super::{
     expression::{Expression, Matrix, Vector, add, cross, times},
     joints::{Chain, transpose},
 };
 
-/// A frame in the frame of the base, lengths in the unit of the [`Chain`].
+/// A frame relative to the base, lengths in the unit of the [`Chain`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pose<'g> {
     pub(super) rotation: Matrix<'g>,
@@ -20,7 +20,7 @@ pub(super) fn poses<'g>(chain: &Chain<'g>) -> Vec<Pose<'g>> {
     for joint in &chain.joints {
         let before = joint.parent.map_or(base, |parent| poses[parent]);
         let foot = times(&before.rotation, joint.foot);
-        // Each row of the rotation is an axis of the base, seen from the frame.
+        // Each row of the rotation is an axis of the base, seen in the frame.
         let rotation = before.rotation.map(|row| joint.seen(row));
         let along = rotation.map(|row| row[2] * joint.along);
         poses.push(Pose { rotation, origin: add(before.origin, add(foot, along)) });

@@ -1,7 +1,7 @@
 //! The mass matrix by composite bodies.
 //!
-//! A composite body is carried in the gauge of its links: what it has on a joint's axis is not turned with the joint. The
-//! wrench of a joint's unit acceleration is a part of the composite body, so that its first step inwards costs nothing.
+//! A composite body is carried like its links: mass on a joint's axis is not turned with the joint. The wrench of a joint's
+//! unit acceleration is a part of the composite body, so that its first step inwards costs nothing.
 
 use super::{
     drives::Drives,
@@ -27,13 +27,13 @@ pub(super) fn mass_matrix<'g>(drives: &Drives<'_, 'g>, links: &[PseudoInertia<'g
     m
 }
 
-/// Place in a lower triangle, row by row.
+/// Index in a lower triangle, row by row.
 pub(super) fn place(i: usize, j: usize) -> usize {
     let (row, column) = (i.max(j), i.min(j));
     row * (row + 1) / 2 + column
 }
 
-/// Inertia between each joint and itself and those before it.
+/// Inertia between each joint and itself and the previous joints.
 fn joint_entries<'g>(
     chain: &Chain<'g>,
     links: &[PseudoInertia<'g>],

@@ -1,11 +1,11 @@
-//! Models of a robot as expressions, and code of them in several languages.
+//! Models of a robot as expressions, and generated code in several languages.
 //!
-//! A [`Function`] is a list of operations ([`Program`]) with what a reader must know of it; [`Language::code`] writes it. The
-//! recursions are written for expressions, to take few operations: see `docs/manual/generated_code.md`.
+//! A [`Function`] is a list of operations ([`Program`]) with the information for its reader; [`Language::code`] writes it. The
+//! recursions on expressions are arranged to take few operations: see `docs/manual/generated_code.md`.
 //!
 //! ```
 //! use std::path::Path;
-//! use thetahat::{robot::Robot, symbolic::{DriveTorques, Function, Inputs, Language, ModelKind, ParameterSet, Request}};
+//! use thetahat_model::{robot::Robot, symbolic::{DriveTorques, Function, Inputs, Language, ModelKind, ParameterSet, Request}};
 //! let text = "name = 'pendulum'\n[[joint]]\nname = 'pivot'\nkind = 'revolute'\n";
 //! let robot = Robot::parse(text, Path::new("pendulum.toml"))?;
 //! let (model, parameters) = (ModelKind::InverseDynamics, ParameterSet::Base);

@@ -1,4 +1,4 @@
-//! The models that are generated, as programs.
+//! The generated models, as programs.
 
 use super::{
     drives::Drives,
@@ -23,7 +23,7 @@ use crate::{
     robot::{JointKind, LinkQuantity, Parameter, Quantity, Robot, TermColumn},
 };
 
-/// Units of length that are tried: each costs a program.
+/// Most units of length that are tried: each costs a program.
 const MOST_UNITS: usize = 12;
 
 /// A parameter of a function.
@@ -33,11 +33,11 @@ pub struct FunctionParameter {
     pub name: String,
     /// Its unit in SI.
     pub unit: String,
-    /// What it is of the standard parameters.
+    /// Its expression in standard parameters.
     pub expression: String,
 }
 
-/// A model as a program, with what a reader must know of it.
+/// A model as a program, with the information for its reader.
 #[derive(Debug, Clone)]
 pub struct Function {
     /// The robot.
@@ -48,19 +48,19 @@ pub struct Function {
     pub tips: Vec<String>,
     /// The model.
     pub model: ModelKind,
-    /// The parameters: inputs, or columns of the regressor, or those whose values are folded in.
+    /// The parameters: inputs, or columns of the regressor, or those whose values are inserted.
     pub parameters: Vec<FunctionParameter>,
-    /// The values folded in, of these parameters.
+    /// The inserted values of these parameters.
     pub values: Option<Vec<f64>>,
-    /// Which torques of the drives are in it.
+    /// The torques of the drives that it includes.
     pub drives: DriveTorques,
-    /// Where the parameters are from, a line each.
+    /// Where the parameters come from, a line each.
     pub about: Vec<String>,
-    /// Whether torque terms of the robot's own are in it.
+    /// Whether it includes the robot's own torque terms.
     pub has_terms: bool,
-    /// Base parameters that hold what was to be left out: their sums have a drive's parameter in them.
+    /// Base parameters whose sums include a drive's parameter that was to be omitted.
     pub kept_drives: Vec<String>,
-    /// Numbers of the description that were taken as special ones.
+    /// Numbers of the description that were replaced by special values.
     pub snapped: Vec<Snapped>,
     /// Rows and columns of the output.
     pub shape: [usize; 2],
@@ -72,8 +72,8 @@ impl Function {
     /// The function of a robot with the fewest operations, over the units of length that its description offers.
     ///
     /// # Errors
-    /// [`SymbolicError`] for a torque term that has no form in code, base parameters that are not clear, values of another number, or values for
-    /// which the mass matrix is singular.
+    /// [`SymbolicError`] for a torque term that cannot be written as code, base parameters that are not unique, a wrong number
+    /// of values, or values for which the mass matrix is singular.
     pub fn new(robot: &Robot, request: &Request) -> Result<Self, SymbolicError> {
         let (robot, snapped) = snapped(robot);
         let made = Made::new(&robot, request)?;
@@ -104,14 +104,14 @@ impl Function {
     }
 }
 
-/// What a function costs: a product as much as two sums.
+/// The cost of a function: a product counts as two sums.
 fn weight(program: &Program) -> usize {
     let count = program.count();
     2 * count.multiplications + count.additions
 }
 
-/// The units of length beside 1 m that can save products: where all joints turn, the lengths of the geometry, those that it has
-/// most often.
+/// The units of length other than 1 m that can save products: if all joints are revolute, the most frequent lengths of the
+/// geometry.
 fn units(robot: &Robot) -> Vec<f64> {
     let mut units: Vec<(f64, usize)> = Vec::new();
     if robot.joints.iter().all(|joint| joint.kind == JointKind::Revolute) {
@@ -131,7 +131,7 @@ fn tips(robot: &Robot) -> Vec<usize> {
     (0..robot.joints.len()).filter(|&link| robot.joints.iter().all(|joint| joint.parent != Some(link))).collect()
 }
 
-/// A robot, what is asked of it, and its parameters.
+/// A robot, the request, and its parameters.
 struct Made<'a> {
     robot: &'a Robot,
     request: &'a Request,
@@ -157,12 +157,12 @@ impl<'a> Made<'a> {
         Ok(Self { robot, request, model, base, values })
     }
 
-    /// Whether the request leaves a standard parameter out.
+    /// Whether the request omits a standard parameter.
     fn leaves_out(&self, index: usize) -> bool {
         !self.request.drives.contain(self.model.parameter_table().get(index).quantity)
     }
 
-    /// Names of the base parameters that are kept, and hold what the request leaves out in their sums.
+    /// Names of the kept base parameters whose sums include what the request omits.
     fn kept_drives(&self) -> Vec<String> {
         let base = self.base.iter().flat_map(|base| base.parameters());
         let holds = |p: &&BaseParameter| !self.leaves_out(p.kept) && p.regrouped.iter().any(|r| self.leaves_out(r.0));
@@ -174,7 +174,7 @@ impl<'a> Made<'a> {
         self.base.as_ref().map_or(self.model.parameter_table().len(), BaseParameters::len)
     }
 
-    /// Indices in the table of the parameters that act: all, or those that base parameters keep.
+    /// Indices in the table of the acting parameters: all, or those that base parameters keep.
     fn columns(&self) -> Vec<usize> {
         self.base.as_ref().map_or_else(|| (0..self.count()).collect(), BaseParameters::columns)
     }
@@ -213,7 +213,7 @@ impl<'a> Made<'a> {
         }
     }
 
-    /// The standard parameters as expressions: those that base parameters leave out are zero.
+    /// The standard parameters as expressions: those that base parameters omit are zero.
     fn theta<'g>(&self, builder: &'g Builder) -> Vec<Expression<'g>> {
         let mut theta = vec![builder.zero(); self.model.parameter_table().len()];
         for (place, column) in self.columns().into_iter().enumerate() {
@@ -286,7 +286,7 @@ impl<'a> Made<'a> {
         Ok(torques)
     }
 
-    /// The torques of the terms for a unit of their parameters; none are computed where the request leaves them out.
+    /// The torques of the terms for a unit of their parameters; none if the request omits them.
     fn terms<'g>(&self, chain: &Chain<'g>, rates: Rates<'_, 'g>) -> Result<Vec<TermTorques<'g>>, SymbolicError> {
         match self.request.drives {
             DriveTorques::All => term_torques(chain, self.robot, rates),
@@ -294,7 +294,7 @@ impl<'a> Made<'a> {
         }
     }
 
-    /// Refuses terms that the accelerations would depend on, which depend on them.
+    /// Refuses terms that depend on the accelerations, which would depend on the terms.
     fn require_no_acceleration(&self) -> Result<(), SymbolicError> {
         let takes = |term: &&TermColumn| term.shape.needs_acceleration();
         match self.robot.terms.iter().find(takes).filter(|_| self.request.drives == DriveTorques::All) {

@@ -1,8 +1,8 @@
 //! Recursive Newton-Euler on pseudo-inertias.
 //!
-//! A point `r` of a link accelerates by `dv + A r`, `A = [dw]x + [w]x^2`, so that a link needs the force `F = A l + m dv`
-//! and the moments `M = A L + dv l^T`, whose antisymmetric part is the torque. The column of `A` along a revolute joint's
-//! axis is that of the link before, rotated: what is on the axis does not turn with the joint.
+//! A point `r` of a link accelerates by `dv + A r`, `A = [dw]x + [w]x^2`, so that a link needs the force `F = A l + m dv` and
+//! the moments `M = A L + dv l^T`, whose antisymmetric part is the torque. The column of `A` along a revolute joint's axis is
+//! that of the link before, rotated: a point on the axis does not turn with the joint.
 
 use super::{
     expression::{Expression, Matrix, Vector, add, cross, dot, times},
@@ -15,7 +15,7 @@ use super::{
 pub(super) struct Motion<'g> {
     pub(super) w: Vector<'g>,
     pub(super) dw: Vector<'g>,
-    /// Acceleration per place.
+    /// Acceleration per unit of position.
     pub(super) a: Matrix<'g>,
     /// `zz - yy`, `xx - zz` and `yy - xx` of `a`.
     pub(super) differences: Vector<'g>,
@@ -23,18 +23,18 @@ pub(super) struct Motion<'g> {
     pub(super) products: Vector<'g>,
     /// Acceleration of the origin, less gravity.
     pub(super) dv: Vector<'g>,
-    /// Whether the origin is known never to move.
+    /// Whether the origin is known to be fixed.
     rests: bool,
-    /// How its joint turned it, in the joint's own axes.
+    /// The turn of its joint, in the joint's own axes.
     pub(super) turn: Option<Turn<'g>>,
 }
 
-/// What a revolute joint turns.
+/// The quantities that a revolute joint turns.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BeforeTurn<'g> {
     /// Angular velocity of the link before.
     pub(super) w: Vector<'g>,
-    /// What `a` makes of the joint's axis, before the joint as behind it.
+    /// The product of `a` and the joint's axis, the same before and after the joint.
     pub(super) column: Vector<'g>,
 }
 
@@ -43,7 +43,7 @@ pub(super) struct BeforeTurn<'g> {
 pub(super) struct Turn<'g> {
     /// In the joint's tilted frame.
     pub(super) tilted: BeforeTurn<'g>,
-    /// Before the turn of the first of the parallel joints of which it is the last, but for the components along z.
+    /// Before the turn of the first of the parallel joints of which it is the last, except for the components along z.
     pub(super) level: BeforeTurn<'g>,
     /// Acceleration of the foot of its axis, less gravity, in the tilted frame and in its own.
     pub(super) dv_at_foot: [Vector<'g>; 2],
@@ -54,7 +54,7 @@ pub(super) struct Turn<'g> {
 impl<'g> Turn<'g> {
     /// Angular velocity and column in the joint's own frame.
     ///
-    /// The turn of parallel joints at once costs a turn of its own: it pays where both have one component in the plane.
+    /// One turn for all parallel joints costs an additional turn: it pays if both vectors have one component in the plane.
     fn turned(&self, joint: &Joint<'g>) -> [Vector<'g>; 2] {
         let has_one = |x: Vector<'g>| x[0].is_zero() != x[1].is_zero();
         let at_once = joint.is_parallel() && has_one(self.level.w) && has_one(self.level.column);
@@ -80,13 +80,13 @@ impl<'g> Motion<'g> {
         Self { w: none, dw: none, a: [none; 3], differences: none, products: none, dv, rests: true, turn: None }
     }
 
-    /// From the angular velocity and acceleration, `a` and `dv`.
+    /// The motion from angular velocity and acceleration, `a` and `dv`.
     pub(super) fn new([w, dw]: [Vector<'g>; 2], a: Matrix<'g>, dv: Vector<'g>) -> Self {
         let differences = [a[2][2] - a[1][1], a[0][0] - a[2][2], a[1][1] - a[0][0]];
         Self { w, dw, a, differences, products: [w[1] * w[2], w[0] * w[2], w[0] * w[1]], dv, rests: false, turn: None }
     }
 
-    /// Of the link behind a joint.
+    /// The motion of a joint's link.
     fn next(&self, chain: &Chain<'g>, joint: &Joint<'g>, rates: Rates<'_, 'g>) -> Self {
         let column = joint.axis_column(&self.a, chain.builder);
         let shift = times(&self.a, joint.foot);
@@ -104,7 +104,7 @@ impl<'g> Motion<'g> {
         }
     }
 
-    /// Behind a revolute joint.
+    /// The motion of a revolute joint's link.
     fn turned(&self, joint: &Joint<'g>, [dq, ddq]: [Expression<'g>; 2], turn: Turn<'g>) -> Self {
         let [[x, y, z], column] = turn.turned(joint);
         let shift = column.map(|entry| entry * joint.along);
@@ -134,13 +134,13 @@ impl<'g> Motion<'g> {
         Self::new([w, joint.seen(self.dw)], joint.seen_matrix(&self.a), dv)
     }
 
-    /// The force and the moment about the origin that move a link.
+    /// The force and the moment about the origin that accelerate a link.
     fn wrench(&self, link: &PseudoInertia<'g>) -> Wrench<'g> {
         let force = [0, 1, 2].map(|i| dot(self.a[i], link.first) + link.mass * self.dv[i]);
         Wrench { force, moment: [0, 1, 2].map(|i| self.moment(link, i)) }
     }
 
-    /// `M_kj - M_jk` of the axes j and k behind axis i.
+    /// `M_kj - M_jk` of the axes j and k that follow axis i cyclically.
     fn moment(&self, link: &PseudoInertia<'g>, i: usize) -> Expression<'g> {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
         let (a, second, first) = (&self.a, &link.second, link.first);
@@ -161,7 +161,7 @@ impl<'g> Wrench<'g> {
         Self { force: add(self.force, other.force), moment: add(self.moment, other.moment) }
     }
 
-    /// About the origin of the frame before.
+    /// The wrench about the origin of the frame before.
     pub(super) fn moved_to_parent(&self, joint: &Joint<'g>) -> Self {
         let force = joint.seen_back(self.force);
         let [x, y, z] = self.moment;
@@ -169,7 +169,7 @@ impl<'g> Wrench<'g> {
         Self { force, moment: add(joint.seen_back(at_foot), cross(joint.foot, force)) }
     }
 
-    /// The torque or force that the joint's drive gives.
+    /// The torque or force of the joint's drive.
     pub(super) fn along(&self, joint: &Joint<'g>) -> Expression<'g> {
         if joint.is_revolute { self.moment[2] } else { self.force[2] }
     }

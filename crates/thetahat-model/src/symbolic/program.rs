@@ -1,22 +1,22 @@
-//! A list of operations: the one source of all languages, of the counts, and of values.
+//! A list of operations: the common source of all languages, operation counts and values.
 
 use std::fmt;
 
 use super::graph::{Array, Graph, Level, Node, NodeId, Signed};
 use crate::robot::MathFunction;
 
-/// A function as a list of operations, each of operands before it.
+/// A function as a list of operations, each after its operands.
 #[derive(Debug, Clone)]
 pub struct Program {
     pub(super) operations: Vec<Operation>,
     pub(super) outputs: Vec<Operand>,
 }
 
-/// An operation and whether the parameters alone decide its result.
+/// An operation, and whether its result depends only on the parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Operation {
     pub(super) kind: Kind,
-    /// Whether its result is known once the parameters are.
+    /// Whether its result depends only on the parameters.
     pub(super) is_fixed: bool,
 }
 
@@ -33,12 +33,12 @@ pub(super) enum Kind {
     Function(MathFunction, Operand, Option<Operand>),
 }
 
-/// What an operation takes.
+/// An operand of an operation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Value {
     Constant(f64),
     Input(Array, usize),
-    /// The result of the operation at this place.
+    /// The result of the operation at this index.
     Result(usize),
 }
 
@@ -49,7 +49,7 @@ pub(super) struct Operand {
     pub(super) negative: bool,
 }
 
-/// Operations in each state. What the parameters alone decide is computed once and not counted, nor are signs.
+/// Operations in each state. Values that depend only on the parameters are computed once and not counted, nor are signs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct OperationCount {
     /// Multiplications.
@@ -66,7 +66,7 @@ pub struct OperationCount {
     pub functions: usize,
 }
 
-/// The arrays that a function takes.
+/// The inputs of a function.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Inputs<'a> {
     /// Positions, rad or m.
@@ -97,7 +97,7 @@ impl fmt::Display for OperationCount {
 }
 
 impl Kind {
-    /// The values that it takes.
+    /// The operands.
     pub(super) fn operands(self) -> impl Iterator<Item = Value> {
         let (first, second) = match self {
             Self::Sine(a) | Self::Cosine(a) | Self::Sign(a) => (a, None),
@@ -120,7 +120,7 @@ impl Program {
         Self { operations, outputs: outputs.iter().map(operand).collect() }
     }
 
-    /// How many operations it takes in each state.
+    /// The number of operations in each state.
     #[must_use]
     pub fn count(&self) -> OperationCount {
         let mut count = OperationCount::default();
@@ -138,7 +138,7 @@ impl Program {
         count
     }
 
-    /// Whether it calls functions beside sine and cosine, at all or for what the parameters decide.
+    /// Whether it calls functions other than sine and cosine, in any part.
     pub(super) fn calls_functions(&self) -> bool {
         self.operations.iter().any(|operation| matches!(operation.kind, Kind::Function(..)))
     }
@@ -146,7 +146,7 @@ impl Program {
     /// The outputs in a state.
     ///
     /// # Panics
-    /// Where an array is shorter than the function needs.
+    /// If an array is shorter than the function needs.
     #[must_use]
     pub fn evaluate(&self, inputs: &Inputs<'_>) -> Vec<f64> {
         let mut results = Vec::with_capacity(self.operations.len());
@@ -172,7 +172,7 @@ impl Program {
         self.outputs.iter().map(output).collect()
     }
 
-    /// The largest index of an array that it takes, with one added.
+    /// One more than the largest index that it uses of an array.
     pub(super) fn length_of(&self, array: Array) -> usize {
         let operands = self.operations.iter().flat_map(|operation| operation.kind.operands());
         let values = operands.chain(self.outputs.iter().map(|output| output.value));
@@ -193,7 +193,7 @@ fn evaluated(value: Value, inputs: &Inputs<'_>, results: &[f64]) -> f64 {
     }
 }
 
-/// Appends a node's operation behind those of its operands.
+/// Appends a node's operation after those of its operands.
 fn schedule(graph: &Graph, id: NodeId, places: &mut [Option<usize>], operations: &mut Vec<Operation>) {
     let node = graph.node(id);
     if places[id.index()].is_some() || node.operands().next().is_none() {

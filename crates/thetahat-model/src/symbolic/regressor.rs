@@ -1,4 +1,4 @@
-//! The columns of inertial parameters, with the axes of the joints carried outwards.
+//! The columns of inertial parameters, with the joints' axes propagated outwards.
 //!
 //! With a joint's unit velocity a point `r` of a link moves by `v + z x r`. The joint gives the power of the link's forces:
 //! the sum of `B_ij L_ij` with `B = [z]x^T A` for the second moments, `[z]x^T dv + A^T v` for the first.
@@ -30,7 +30,7 @@ pub(super) fn link_columns<'g>(
     for (link, twists) in twists(chain).iter().enumerate() {
         let is_tip = chain.joints.iter().all(|joint| joint.parent != Some(link));
         let of = Link { joint: &chain.joints[link], motion: &motions[link], is_tip };
-        let rows = with_those_beside(twists, of.rows(twists, link_axes[link].as_ref()));
+        let rows = with_relative_rows(twists, of.rows(twists, link_axes[link].as_ref()));
         for (twist, entries) in twists.iter().zip(rows) {
             columns.push(LinkColumns { link, coordinate: twist.coordinate, entries: in_metres(entries, chain.unit) });
         }
@@ -62,8 +62,8 @@ impl<'g> Link<'_, 'g> {
         }
     }
 
-    /// Behind a revolute joint: `zz` before the turn where the axis is known there, the first moments about the foot of the
-    /// joint's axis where the velocity there has fewer components.
+    /// After a revolute joint: `zz` before the turn if the axis is known there, the first moments about the foot of the joint's
+    /// axis if the velocity there has fewer components.
     fn turned_entries(&self, twist: &Carried<'g>, turn: &Turn<'g>) -> Entries<'g> {
         let mut entries = entries(&twist.here, self.motion);
         if twist.level[..2].iter().all(|entry| entry.number().is_some()) {
@@ -81,11 +81,11 @@ impl<'g> Link<'_, 'g> {
     }
 }
 
-/// Adds to each row that of the coordinate that its twist is beside, which stands behind it.
-fn with_those_beside<'g>(twists: &[Carried<'g>], mut rows: Vec<Entries<'g>>) -> Vec<Entries<'g>> {
+/// Adds to each relative row the row of the coordinate that its twist is relative to, which comes later.
+fn with_relative_rows<'g>(twists: &[Carried<'g>], mut rows: Vec<Entries<'g>>) -> Vec<Entries<'g>> {
     for row in (0..rows.len()).rev() {
-        let beside = |other: &Carried<'g>| twists[row].beside == Some(other.coordinate);
-        if let Some(other) = twists.iter().position(beside) {
+        let is_reference = |other: &Carried<'g>| twists[row].relative_to == Some(other.coordinate);
+        if let Some(other) = twists.iter().position(is_reference) {
             rows[row] = std::array::from_fn(|i| rows[row][i] + rows[other][i]);
         }
     }
@@ -99,13 +99,13 @@ fn in_metres<'g>(mut entries: Entries<'g>, unit: f64) -> Entries<'g> {
     entries
 }
 
-/// With `xx + zz = B_yy` and `xx + yy = B_zz`, in terms of the inertia.
+/// `xx + zz = B_yy` and `xx + yy = B_zz`, solved for the inertia.
 fn entries<'g>(twist: &Twist<'g>, motion: &Motion<'g>) -> Entries<'g> {
     let Twist { z, v } = *twist;
     let Motion { dw, a, differences, products, dv, .. } = motion;
     let xx = z[0] * dw[0] + (z[1] * products[1] - z[2] * products[2]);
     let diagonal = |i: usize, j: usize, k: usize| z[k] * a[j][i] - z[j] * a[k][i];
-    // -(B_jk + B_kj), of the two axes behind axis i.
+    // -(B_jk + B_kj), of the two axes that follow axis i cyclically.
     let off_diagonal = |i: usize| {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
         z[k] * a[i][k] - z[j] * a[i][j] - z[i] * differences[i]
@@ -115,7 +115,7 @@ fn entries<'g>(twist: &Twist<'g>, motion: &Motion<'g>) -> Entries<'g> {
     [xx, off_diagonal(2), off_diagonal(1), yy, off_diagonal(0), zz, mx, my, mz, dot(v, *dv)]
 }
 
-/// Of the first moments about a point that moves by the twist and accelerates by `dv`.
+/// The first moments about a point that moves by the twist and accelerates by `dv`.
 fn first_moments<'g>(twist: &Twist<'g>, motion: &Motion<'g>, dv: Vector<'g>) -> Vector<'g> {
     let columns = transpose(&motion.a);
     add(cross(dv, twist.z), [0, 1, 2].map(|i| dot(columns[i], twist.v)))

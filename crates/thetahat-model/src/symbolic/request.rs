@@ -1,4 +1,4 @@
-//! What is asked of a robot.
+//! The request for a generated function.
 
 use super::graph::Array;
 use crate::robot::Quantity;
@@ -26,7 +26,7 @@ pub enum ModelKind {
     Jacobian,
 }
 
-/// What the parameters of a function are.
+/// The parameters of a function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ParameterSet {
     /// The standard parameters, in the order of the robot's table.
@@ -35,35 +35,35 @@ pub enum ParameterSet {
     Base,
 }
 
-/// Which torques of the drives are in a model.
+/// The torques of the drives in a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DriveTorques {
     /// Inertia of the motors, friction and offsets.
     All,
-    /// Inertia of the motors alone.
+    /// Only the inertia of the motors.
     Inertia,
-    /// None: the links alone.
+    /// None: only the links.
     None,
 }
 
-/// What is generated.
+/// A request for a generated function.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
     /// The model.
     pub model: ModelKind,
     /// Its parameters.
     pub parameters: ParameterSet,
-    /// Values of the standard parameters, SI and in the order of the robot's table, folded into the code; an input of the
-    /// function where there are none.
+    /// Values of the standard parameters, SI and in the order of the robot's table, inserted into the code; if none, the
+    /// parameters are an input of the function.
     pub values: Option<Vec<f64>>,
-    /// Which torques of the drives are in it.
+    /// The torques of the drives that it includes.
     pub drives: DriveTorques,
-    /// Where the parameters are from, a line each, for the head of the code.
+    /// Where the parameters come from, a line each, for the head of the code.
     pub about: Vec<String>,
 }
 
 impl Request {
-    /// A model with all that the drives do and its parameters as an input.
+    /// A model with all torques of the drives and its parameters as an input.
     #[must_use]
     pub fn new(model: ModelKind, parameters: ParameterSet) -> Self {
         Self { model, parameters, values: None, drives: DriveTorques::All, about: Vec::new() }
@@ -74,7 +74,7 @@ impl DriveTorques {
     /// All choices, with their names on the command line.
     pub const ALL: [(&'static str, Self); 3] = [("all", Self::All), ("inertia", Self::Inertia), ("none", Self::None)];
 
-    /// Whether the torque of a parameter is among them; those of links always are.
+    /// Whether the torque of a parameter is included; torques of links always are.
     pub(super) fn contain(self, quantity: Quantity) -> bool {
         match (self, quantity) {
             (_, Quantity::Link(_)) | (Self::All, _) => true,
@@ -114,7 +114,7 @@ impl ModelKind {
         }
     }
 
-    /// The arrays that the function takes, parameters apart.
+    /// The arrays that the function takes, except the parameters.
     #[must_use]
     pub fn inputs(self) -> &'static [Array] {
         match self {
@@ -141,7 +141,7 @@ impl ModelKind {
         }
     }
 
-    /// Whether the output is a vector, and not a matrix that may have one column.
+    /// Whether the output is a vector, not a matrix that may have one column.
     pub(super) fn is_vector(self) -> bool {
         match self {
             Self::InverseDynamics | Self::ForwardDynamics | Self::Gravity | Self::Coriolis => true,
@@ -153,7 +153,7 @@ impl ModelKind {
         }
     }
 
-    /// Whether it has parameters at all, as inputs or as columns.
+    /// Whether it has parameters, as inputs or as columns.
     pub(super) fn has_parameters(self) -> bool {
         match self {
             Self::InverseDynamics

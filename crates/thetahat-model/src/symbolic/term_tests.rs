@@ -1,4 +1,4 @@
-//! Torque terms in generated functions, and derivatives, against the library's kernels and central differences.
+//! Torque terms in generated functions, and derivatives, compared with the library's kernels and central differences.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use crate::{
     robot::Robot,
 };
 
-/// Expressions of a user's own beside every other kind of term.
+/// User-defined expressions, in addition to every other kind of term.
 const EXPRESSIONS: [&str; 8] = [
     "exp(0 - (dq/0.3)^2) * s + ddq1*cos(q3)^2",
     "tanh(dq/0.1) - atan(q)*sqrt(2 + q1^2)",
@@ -71,7 +71,7 @@ fn terms_have_the_columns_of_the_kernels() {
 fn forward_dynamics_with_terms_reverses_inverse_dynamics() {
     for case in cases(&robot(&[])) {
         let ([q, dq, ddq], theta) = (&case.state, bodies(&case.model));
-        let parameters = DynamicParameters::new(&case.model, &theta);
+        let parameters = DynamicParameters::sorted(&case.model, &theta);
         let mut tau = vec![0.0; q.len()];
         let mut workspace = Workspace::new(&case.model);
         case.model.inverse_dynamics(&parameters, State::new(q, dq), ddq, Sign::Exact, &mut workspace, &mut tau);
@@ -89,7 +89,7 @@ fn terms_that_no_code_has_are_refused_with_a_reason() {
     assert!(channel.contains("recorded channel `temperature`"), "{channel}");
     let accelerations = refused(&["ddq1"], ModelKind::ForwardDynamics);
     assert!(accelerations.contains("takes accelerations"), "{accelerations}");
-    // What the term does not change is generated.
+    // A model that the term does not change is generated.
     let mass = Request::new(ModelKind::MassMatrix, ParameterSet::Standard);
     assert!(Function::new(&robot(&["q*temperature"]), &mass).is_ok());
     let without =
@@ -139,7 +139,7 @@ fn derivatives_are_those_of_central_differences() {
     of_each_robot(|case, name| SETS.iter().for_each(|set| check_derivatives(case, *set, name)));
 }
 
-/// Steps apart, whose derivative is zero but where they are.
+/// Except at steps, where the derivative is not zero.
 #[test]
 fn derivatives_of_terms_are_those_of_central_differences() {
     for case in cases(&robot(&EXPRESSIONS)) {

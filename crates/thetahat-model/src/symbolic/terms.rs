@@ -1,6 +1,6 @@
-//! Torque terms of a user's own: springs, friction laws, motor harmonics, expressions.
+//! User-defined torque terms: springs, friction laws, motor harmonics, expressions.
 //!
-//! The same as `dynamics/term_torques.rs` says of numbers, here of expressions.
+//! The expressions of the formulas in `dynamics/term_torques.rs`.
 
 use super::{
     error::SymbolicError,
@@ -23,7 +23,7 @@ use thetahat_ground::vector;
 /// The torques of a term for a unit of its parameter: coordinate by coordinate.
 pub(super) type TermTorques<'g> = Vec<(usize, Expression<'g>)>;
 
-/// Those of all terms of a robot, in order.
+/// The torques of all terms of a robot, in order.
 pub(super) fn term_torques<'g>(
     chain: &Chain<'g>,
     robot: &Robot,
@@ -86,7 +86,7 @@ impl<'g> Terms<'_, 'g> {
         self.chain.joints[joint].rate(self.rates.dq)
     }
 
-    /// The part of Stribeck friction that is left at a velocity.
+    /// The remaining fraction of Stribeck friction at a velocity.
     fn falling(&self, Stribeck { law, velocity, exponent }: Stribeck, dq: Expression<'g>) -> Expression<'g> {
         let one = self.chain.builder.constant(1.0);
         let exponent = self.chain.builder.constant(exponent);

@@ -1,4 +1,4 @@
-//! The generated functions against the library's kernels, in random states.
+//! The generated functions compared with the library's kernels, in random states.
 
 use std::{
     collections::BTreeMap,
@@ -56,7 +56,7 @@ impl Case {
         let theta = random(model.parameter_table().len());
         let n = model.coordinate_count();
         let state = [random(n), random(n), random(n)];
-        let parameters = DynamicParameters::new(&model, &theta);
+        let parameters = DynamicParameters::sorted(&model, &theta);
         Self { robot, model, theta, parameters, state }
     }
 
@@ -86,7 +86,7 @@ impl Case {
         Function::new(&self.robot, &Request::new(model, parameters)).unwrap()
     }
 
-    /// The output of a function with the parameters' values in it.
+    /// The output of a function with the parameters' values inserted.
     fn folded(&self, model: ModelKind, parameters: ParameterSet, drives: DriveTorques) -> Vec<f64> {
         let request = Request { model, parameters, values: Some(self.theta.clone()), drives, about: Vec::new() };
         let [q, dq, ddq] = &self.state;
@@ -94,11 +94,11 @@ impl Case {
         program.evaluate(&Inputs { q, dq, ddq, tau: ddq, ..Inputs::default() })
     }
 
-    /// With these values where a parameter is kept, and zero elsewhere.
+    /// The case with zero values for parameters that are not kept.
     fn keeping(&self, is_kept: impl Fn(&Parameter) -> bool) -> Self {
         let table = self.model.parameter_table();
         let theta: Vec<f64> = table.iter().zip(&self.theta).map(|(p, v)| if is_kept(p) { *v } else { 0.0 }).collect();
-        Self { parameters: DynamicParameters::new(&self.model, &theta), theta, ..self.clone() }
+        Self { parameters: DynamicParameters::sorted(&self.model, &theta), theta, ..self.clone() }
     }
 
     pub(super) fn values(&self, set: ParameterSet) -> Vec<f64> {
@@ -112,7 +112,7 @@ impl Case {
         self.keeping(|p| p.quantity != Quantity::Joint(JointQuantity::Off))
     }
 
-    /// Of the drives alone: the parameters of the links are zero.
+    /// Only the drives: the parameters of the links are zero.
     fn friction_at_rest(&self, dq: &[f64]) -> Vec<f64> {
         self.keeping(|p| !matches!(p.quantity, Quantity::Link(_))).inverse_dynamics(
             &self.state[0],
@@ -171,14 +171,14 @@ fn mass_matrix_is_that_of_the_kernels() {
     });
 }
 
-/// The accelerations of the torques that inverse dynamics gives are the accelerations that it was given; the mass matrix of
-/// random parameters need not be positive definite.
+/// Forward dynamics of the torques of inverse dynamics returns the accelerations; the mass matrix of random parameters need not
+/// be positive definite.
 #[test]
 fn forward_dynamics_reverses_inverse_dynamics() {
     of_each_robot(|case, name| {
         let [q, dq, ddq] = &case.state;
         let theta = bodies(&case.model);
-        let parameters = DynamicParameters::new(&case.model, &theta);
+        let parameters = DynamicParameters::sorted(&case.model, &theta);
         let mut tau = vec![0.0; q.len()];
         let (state, mut workspace) = (State::new(q, dq), Workspace::new(&case.model));
         case.model.inverse_dynamics(&parameters, state, ddq, Sign::Exact, &mut workspace, &mut tau);
@@ -199,7 +199,7 @@ fn forward_dynamics_reverses_inverse_dynamics() {
     });
 }
 
-/// Parameters of balls of 1 kg on the links' frames, with motors: the mass matrix is positive definite.
+/// Parameters of balls of 1 kg at the links' frames, with motors: the mass matrix is positive definite.
 pub(super) fn bodies(model: &Model) -> Vec<f64> {
     let value = |parameter: &Parameter| match parameter.quantity {
         Quantity::Link(LinkQuantity::Xx | LinkQuantity::Yy | LinkQuantity::Zz) => 0.1,
@@ -211,7 +211,7 @@ pub(super) fn bodies(model: &Model) -> Vec<f64> {
     model.parameter_table().iter().map(value).collect()
 }
 
-/// Values in the code, and drives left out, give what parameters that are zero give the kernels.
+/// Inserted values and omitted drives give the kernels' result with these parameters at zero.
 #[test]
 fn folded_values_and_drives_left_out_are_those_of_the_kernels() {
     of_each_robot(|case, name| {
@@ -236,7 +236,7 @@ fn folded_values_and_drives_left_out_are_those_of_the_kernels() {
     });
 }
 
-/// The frames stand where the library's kinematics puts them, in m.
+/// The frames agree with the library's kinematics, in m.
 #[test]
 fn the_tips_are_those_of_the_kinematics() {
     of_each_robot(|case, name| {
@@ -273,7 +273,7 @@ fn base_parameters_that_hold_what_is_left_out_are_named() {
     assert!(kept(DriveTorques::Inertia).is_empty() && kept(DriveTorques::All).is_empty());
 }
 
-/// Nothing acts: a vertical slide's torques of velocity.
+/// No parameter acts: the torques of velocity of a vertical slide.
 #[test]
 fn a_function_without_terms_is_code_all_the_same() {
     let text = "name = 'slide /* of'\n[[joint]]\nname = 'a'\nkind = 'prismatic'\n";
@@ -314,7 +314,7 @@ fn the_regressor_is_that_of_the_kernels() {
 #[test]
 fn gravity_and_coriolis_torques_are_parts_of_inverse_dynamics() {
     of_each_robot(|case, name| {
-        // Base parameters take an offset and the weight that a slide always carries together.
+        // Base parameters combine an offset with the weight that a slide always carries.
         let case = &case.without_offsets();
         let ([q, dq, _], n) = (&case.state, case.model.coordinate_count());
         let zeros = vec![0.0; n];
@@ -333,7 +333,7 @@ fn gravity_and_coriolis_torques_are_parts_of_inverse_dynamics() {
     });
 }
 
-/// The power of a force at a tip is the same by the Jacobian and by moving the coordinates a little.
+/// The power of a force at a tip is the same by the Jacobian and by small changes of the coordinates.
 #[test]
 fn the_jacobian_is_the_derivative_of_the_kinematics() {
     const STEP: f64 = 1e-6;

@@ -1,8 +1,8 @@
-//! The columns of a link that carries no other, before its revolute joint turns it.
+//! The columns of a link that carries no other, before the turn of its revolute joint.
 //!
-//! Nothing behind the link needs the joints' axes in its frame, so that its columns are turned back once instead of each
-//! axis outwards. A column is the force and the moment for a unit of a parameter, about the foot of the joint's axis in the
-//! joint's tilted frame.
+//! Nothing after this link needs the joints' axes in its frame, so that its columns are turned back once instead of each axis
+//! outwards. A column is the force and the moment for a unit of a parameter, about the foot of the joint's axis in the joint's
+//! tilted frame.
 
 use super::{
     expression::{Expression, Vector, add, dot},
@@ -14,13 +14,13 @@ use super::{
 /// The columns of a tip.
 #[derive(Debug)]
 pub(super) struct TipColumns<'g> {
-    /// Moments of `xx`, `xy`, `xz`, `yy` and `yz`, which take no force.
+    /// Moments of `xx`, `xy`, `xz`, `yy` and `yz`, which need no force.
     inertia: [Vector<'g>; 5],
     /// Forces of the first moments about the foot.
     forces: [Vector<'g>; 3],
     /// Moments of the first moments about the foot.
     moments: [Vector<'g>; 3],
-    /// Force of the mass in the foot.
+    /// Force of the mass at the foot.
     mass: Vector<'g>,
     /// From the foot to the link's origin.
     along: Expression<'g>,
@@ -53,8 +53,8 @@ impl<'g> TipColumns<'g> {
 
 /// The moments of `xx`, `xy`, `xz`, `yy` and `yz`, with the forces of the first moments.
 ///
-/// Those of `xx + yy` are the column on the axis, turned by a right angle; those of `xy` in the plane are those of
-/// `xx - yy`, turned so; those of `xz` and `yz` are the forces of `mx` and `my`, turned so, less `zz` of `a` once.
+/// The moments of `xx + yy` are the column on the axis, turned by a right angle; those of `xy` in the plane are those of `xx -
+/// yy`, turned likewise; those of `xz` and `yz` are the forces of `mx` and `my`, turned likewise, less `zz` of `a` once.
 fn inertia_moments<'g>(
     joint: &Joint<'g>,
     motion: &Motion<'g>,

@@ -1,4 +1,4 @@
-//! The axes of the joints, carried outwards to the links that they move.
+//! The joints' axes, propagated outwards to the links that they move.
 
 use super::{
     expression::{Expression, Vector, add, cross},
@@ -7,8 +7,7 @@ use super::{
 };
 use thetahat_ground::vector::Mat3;
 
-/// What a coordinate's torque is for a unit of each inertial parameter of a link, in the order of
-/// [`crate::robot::INERTIAL`].
+/// A coordinate's torque for a unit of each inertial parameter of a link, in the order of [`crate::robot::INERTIAL`].
 pub(super) type Entries<'g> = [Expression<'g>; 10];
 
 /// Angular and linear velocity at a point of a link for a unit velocity of a coordinate.
@@ -18,20 +17,20 @@ pub(super) struct Twist<'g> {
     pub(super) v: Vector<'g>,
 }
 
-/// The twist of a coordinate at a link: that of the origin in the link's frame, and how it came there.
+/// The twist of a coordinate at a link: that of the origin in the link's frame, and its intermediate values.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Carried<'g> {
     pub(super) coordinate: usize,
-    /// The coordinate whose twist is to be added.
-    pub(super) beside: Option<usize>,
+    /// The coordinate to whose twist this one is relative.
+    pub(super) relative_to: Option<usize>,
     pub(super) here: Twist<'g>,
     /// Velocity of the foot of the joint's axis, in the link's frame.
     pub(super) v_at_foot: Vector<'g>,
-    /// That of the foot, in the joint's tilted frame.
+    /// The twist of the foot, in the joint's tilted frame.
     pub(super) tilted: Twist<'g>,
     /// `z` in the tilted frame of the first of the parallel joints of which the link's is the last.
     pub(super) level: Vector<'g>,
-    /// Whether its axis stands along gravity, which then gives it no torque.
+    /// Whether its axis is parallel to gravity, which then gives it no torque.
     pub(super) is_along_gravity: bool,
 }
 
@@ -46,7 +45,7 @@ impl<'g> Twist<'g> {
 }
 
 impl<'g> Carried<'g> {
-    /// That of a joint's own coordinate.
+    /// The twist of a joint's own coordinate.
     fn of_joint(chain: &Chain<'g>, joint: &Joint<'g>) -> Self {
         let (axis, none) = (chain.builder.constants([0.0, 0.0, joint.ratio]), chain.none());
         let [z, v] = if joint.is_revolute { [axis, none] } else { [none, axis] };
@@ -54,11 +53,11 @@ impl<'g> Carried<'g> {
         let gravity = cross(joint.axis(chain.builder), chain.builder.constants(chain.gravity));
         let is_along_gravity = joint.parent.is_none() && gravity.iter().all(|entry| entry.is_zero());
         let coordinate = joint.coordinate;
-        Self { coordinate, beside: None, here, v_at_foot: v, tilted: here, level: z, is_along_gravity }
+        Self { coordinate, relative_to: None, here, v_at_foot: v, tilted: here, level: z, is_along_gravity }
     }
 
-    /// At the link behind the next joint.
-    fn behind(&self, next: &Joint<'g>) -> Self {
+    /// The twist at the link of the next joint.
+    fn at_next(&self, next: &Joint<'g>) -> Self {
         let Twist { z, v } = self.here;
         let tilted = Twist { z: next.tilted(z), v: next.tilted(add(v, cross(z, next.foot))) };
         let level = if next.is_parallel() { self.level } else { tilted.z };
@@ -68,7 +67,7 @@ impl<'g> Carried<'g> {
         Self { here: Twist { z, v }, v_at_foot, tilted, level, ..*self }
     }
 
-    /// The entry of `zz`, `z (wy wz, -wx wz, dwz)`, which a turn about z leaves as it is.
+    /// The entry of `zz`, `z (wy wz, -wx wz, dwz)`, which a turn about z does not change.
     pub(super) fn zz_before_turn(&self, motion: &Motion<'g>, turn: &Turn<'g>) -> Expression<'g> {
         let ([x, y, _], [wx, wy, _], wz) = (self.level, turn.level.w, motion.w[2]);
         x * (wy * wz) - y * (wx * wz) + self.here.z[2] * motion.dw[2]
@@ -85,12 +84,12 @@ impl<'g> Carried<'g> {
         }
     }
 
-    /// What it is more than the twist of a joint that turns as it does.
-    fn beside(&self, joint: &Joint<'g>) -> Self {
+    /// The twist relative to that of a joint that turns in the same way.
+    fn relative_to(&self, joint: &Joint<'g>) -> Self {
         let none = self.here.z.map(|z| z.builder().zero());
         let still = |twist: Twist<'g>| Twist { z: none, ..twist };
-        let beside = Some(joint.coordinate);
-        Self { beside, here: still(self.here), tilted: still(self.tilted), level: none, ..*self }
+        let relative_to = Some(joint.coordinate);
+        Self { relative_to, here: still(self.here), tilted: still(self.tilted), level: none, ..*self }
     }
 }
 
@@ -99,18 +98,18 @@ pub(super) fn twists<'g>(chain: &Chain<'g>) -> Vec<Vec<Carried<'g>>> {
     let mut twists: Vec<Vec<Carried<'g>>> = Vec::with_capacity(chain.joints.len());
     for joint in &chain.joints {
         let before = joint.parent.map_or(&[][..], |parent| &twists[parent]);
-        let here = behind(chain, joint, before);
+        let here = at_link(chain, joint, before);
         twists.push(here);
     }
     twists
 }
 
-/// The twists behind a joint, with its own at the end, of those before it.
+/// The twists at a joint's link, from those before it, with its own at the end.
 ///
-/// A coordinate that turns the link as the joint does leaves the moments to it: only velocities stay.
-fn behind<'g>(chain: &Chain<'g>, joint: &Joint<'g>, before: &[Carried<'g>]) -> Vec<Carried<'g>> {
+/// For a coordinate that turns the link as the joint does, the joint provides the moments, and only velocities remain.
+fn at_link<'g>(chain: &Chain<'g>, joint: &Joint<'g>, before: &[Carried<'g>]) -> Vec<Carried<'g>> {
     let own = Carried::of_joint(chain, joint);
-    let mut here: Vec<_> = before.iter().map(|twist| twist.behind(joint)).collect();
+    let mut here: Vec<_> = before.iter().map(|twist| twist.at_next(joint)).collect();
     if let Some(twist) = here.iter_mut().find(|twist| twist.coordinate == own.coordinate) {
         *twist = twist.plus(&own);
         return here;
@@ -119,7 +118,7 @@ fn behind<'g>(chain: &Chain<'g>, joint: &Joint<'g>, before: &[Carried<'g>]) -> V
         let alike =
             twist.here.z.iter().zip(own.here.z).all(|(z, own)| z.number().is_some() && z.number() == own.number());
         if joint.is_revolute && alike {
-            *twist = twist.beside(joint);
+            *twist = twist.relative_to(joint);
         }
     }
     here.push(own);
@@ -131,7 +130,7 @@ pub(super) fn turned_back<'g>(axes: &Mat3, x: Vector<'g>) -> Vector<'g> {
     [0, 1, 2].map(|j| x[0] * axes[0][j] + x[1] * axes[1][j] + x[2] * axes[2][j])
 }
 
-/// How many components are not zero.
+/// Number of nonzero components.
 pub(super) fn components(x: Vector<'_>) -> usize {
     x.iter().filter(|entry: &&Expression<'_>| !entry.is_zero()).count()
 }

@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 else:
 
     def __getattr__(name):
-        """The package `distributed`, read when it is asked for: not everyone who imports thetahat wants it."""
+        """Import the package `distributed` on first use."""
         if name == "distributed":
             import importlib
 

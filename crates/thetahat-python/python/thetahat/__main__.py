@@ -12,9 +12,9 @@ def main() -> int:
     Returns
     -------
     int
-        The exit code: 0 the verdict is good, or care; 1 finished, but the numbers are not to be used; 2 error.
+        The exit code: 0 the verdict is good or care; 1 finished, but the verdict is do-not-use; 2 error.
     """
-    # Ctrl-C ends the command as it ends any other program.
+    # Ctrl-C ends the command like any other program.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     return command(["thetahat", *sys.argv[1:]])
 

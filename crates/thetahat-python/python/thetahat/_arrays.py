@@ -1,4 +1,4 @@
-"""Arrays as the compiled part takes them: float64, with a row for each sample."""
+"""Arrays for the compiled part: float64, with a row for each sample."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 
 def float64(name: str, values: ArrayLike) -> Array:
-    """The values as float64: themselves where they are that already, else a copy.
+    """The values as float64, copied only if they have another type.
 
     Integers are exact. Floats of lower precision are converted with a :class:`PrecisionWarning`, anything else is refused.
     """
@@ -23,8 +23,8 @@ def float64(name: str, values: ArrayLike) -> Array:
         return array
     if array.dtype.kind == "f" and array.dtype.itemsize < 8:
         warnings.warn(
-            f"{name} is {array.dtype} and was converted to float64: positions of that precision make coarse velocities; "
-            "log in float64, or convert the array yourself where the precision suffices",
+            f"{name} is {array.dtype} and was converted to float64: positions with this precision give coarse velocities; "
+            "log in float64, or convert the array yourself if the precision suffices",
             PrecisionWarning,
             stacklevel=4,
         )
@@ -46,7 +46,7 @@ def samples(name: str, values: ArrayLike, columns: int | None = None) -> Array:
 
 
 def states(n: int, **arrays: ArrayLike) -> tuple[bool, list[Array]]:
-    """Arrays of one state (n) or of many (samples, n); whether they are of one state, and all of them as many."""
+    """Arrays of one state (n) or of several (samples, n), all with the same number; also whether they are one state."""
     converted = {name: float64(name, values) for name, values in arrays.items()}
     first = next(iter(converted))
     shape = converted[first].shape
@@ -69,7 +69,7 @@ def vector(name: str, values: ArrayLike, length: int | None = None) -> Array:
 
 
 def read_only(array: Array) -> Array:
-    """The same memory, through which nothing is written."""
+    """A read-only view of the same memory."""
     view = array.view()
     view.flags.writeable = False
     return view

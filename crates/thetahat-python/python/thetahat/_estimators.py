@@ -1,4 +1,4 @@
-"""Estimators of the user's own, as the compiled part calls them."""
+"""The user's own estimators, as the compiled part calls them."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from ._thetahat import Fit
 
 
 class Regression(NamedTuple):
-    """The rows ``y = X theta + e`` that an estimator of your own is given."""
+    """The rows ``y = X theta + e`` for your own estimator."""
 
     X: Array
     """Observation matrix, shape (rows, parameters); each row is multiplied by the weight of its recording."""
     y: Array
-    """Torques, shape (rows,), N m or N, weighted alike."""
+    """Torques, shape (rows,), N m or N, with the same weights."""
     Z: Array | None
-    """Instruments with the rows of `X`, where ``"idim-iv"`` is among the methods and has converged: the observation matrix of
+    """Instruments with the rows of `X`, if ``"idim-iv"`` is one of the methods and has converged: the observation matrix of
     its last simulation."""
     joint: NDArray[np.intp]
-    """The joint of each row, from zero: rows stand joint by joint, each joint's in time order."""
+    """The joint of each row, from zero: rows are ordered by joint, then by time."""
     recording: NDArray[np.intp]
     """The recording of each row, from zero."""
     share: Array
-    """The part of each row that is left where samples near rest are left out, one elsewhere. A variance of the residual divides by
+    """The share of each row that remains after samples near rest are left out. A variance of the residual divides by
     ``sum(share**2) - parameters``."""
     names: tuple[str, ...]
     """Names of the parameters, in the order of the columns."""
@@ -38,7 +38,7 @@ class Regression(NamedTuple):
 
 @runtime_checkable
 class Fitted(Protocol):
-    """A linear model as scikit-learn has it: ``fit(X, y)`` leaves its parameters in ``coef_``."""
+    """A linear model of scikit-learn: ``fit(X, y)`` stores its parameters in ``coef_``."""
 
     def fit(self, X: Array, y: Array, /) -> Any:
         """Estimate from rows."""
@@ -52,7 +52,7 @@ _Called = Callable[[tuple[Any, ...]], tuple[Array, Array | None]]
 
 
 def callers(estimators: Mapping[str, Estimator]) -> list[tuple[str, _Called]]:
-    """Names with functions of what the compiled part gives, which return parameters and their covariance."""
+    """Functions of the compiled part's arrays by name, which return parameters and their covariance."""
     return [(name, _caller(name, estimator)) for name, estimator in estimators.items()]
 
 
@@ -74,13 +74,13 @@ def _caller(name: str, estimator: Estimator) -> _Called:
 
 
 def _coefficients(estimator: Fitted, regression: Regression) -> Array:
-    """The coefficients of a copy of the model, so that what one call learns is not there in the next."""
+    """The coefficients of a copy of the model, so that calls are independent."""
     model = copy.deepcopy(estimator)
     model.fit(regression.X, regression.y)
     if not hasattr(model, "coef_"):
-        raise TypeError(f"{type(model).__name__} has no coef_ behind fit(X, y): give a linear model, or a function of the regression")
+        raise TypeError(f"{type(model).__name__} has no coef_ after fit(X, y): give a linear model, or a function of the regression")
     if np.any(np.asarray(getattr(model, "intercept_", 0.0)) != 0.0):
-        raise ValueError(f"{type(model).__name__} has an intercept, which no robot has: make it with fit_intercept=False")
+        raise ValueError(f"{type(model).__name__} has an intercept, which is physically impossible: create it with fit_intercept=False")
     return vector("coef_", model.coef_)
 
 

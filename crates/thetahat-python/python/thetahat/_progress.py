@@ -1,4 +1,4 @@
-"""Progress of long work: by tqdm where it is installed."""
+"""Progress of long work: by tqdm if it is installed."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ Progress = Callable[[str], object]
 
 
 @contextmanager
-def telling(progress: bool | Progress) -> Iterator[Progress | None]:
-    """Whom to tell what is being done: nobody, a callable, or a line of tqdm."""
+def reporting(progress: bool | Progress) -> Iterator[Progress | None]:
+    """The receiver of progress: nothing, a callable, or a line of tqdm."""
     if callable(progress):
         yield progress
     elif not progress:

@@ -1,4 +1,4 @@
-"""The compiled part: arrays of float64 with two indices, as the package checks them."""
+"""The compiled part: arrays of float64 with two indices, checked by the package."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -75,15 +75,15 @@ class Fit:
     standard_deviation: Array
     """Classical standard deviations, shape (columns,)."""
     standard_deviation_robust: Array
-    """With errors that are correlated in time and differ between joints, shape (columns,)."""
+    """Standard deviations with errors that are correlated in time and differ between joints, shape (columns,)."""
     interval_95: Array
-    """Intervals of 95 % with such errors, shape (columns, 2)."""
+    """95 % intervals with such errors, shape (columns, 2)."""
     prediction: Array
-    """What the parameters predict of y, shape (rows,)."""
+    """The prediction of y, shape (rows,)."""
     relative_error_percent: float
     """``100 |y - y_hat| / |y|``."""
     condition_number: float
-    """Of the matrix that is solved."""
+    """Condition number of the matrix that is solved."""
 
 def identify(
     robot: Robot,

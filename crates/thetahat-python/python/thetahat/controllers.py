@@ -11,7 +11,7 @@ _OneOrEach = float | Sequence[float] | None
 
 @dataclasses.dataclass(frozen=True)
 class Controller:
-    """A controller that acts on each motor by itself; one number is for all motors, a sequence has one for each.
+    """An independent controller for each motor; one number applies to all motors, a sequence has one for each.
 
     Give either ``bandwidth_hz``, from which the gains follow with the inertia, or both gains. `PD` and `Cascaded` are the two
     laws.
@@ -21,18 +21,18 @@ class Controller:
     bandwidth_hz : float or sequence
         Natural frequency of each loop, Hz.
     damping : float
-        Damping of loops that are given by their bandwidth.
+        Damping of loops with a given bandwidth.
     position_gain, velocity_gain : float or sequence
-        Gains, where they are known; drive signal per rad (m) and per rad/s (m/s), or 1/s and drive signal per rad/s for a
+        Gains, if they are known; drive signal per rad (m) and per rad/s (m/s), or 1/s and drive signal per rad/s for a
         cascade.
     velocity_feed_forward, acceleration_feed_forward : float
-        Parts of the reference's derivatives that are fed forward.
+        Shares of the reference's derivatives that are fed forward.
     saturation : float or sequence
         Largest drive signal.
     sample_time_s, delay_s : float
-        Time between samples, zero for a continuous controller, and from a sample to the moment when its signal acts.
+        Sample time, zero for a continuous controller, and the delay from a sample to its control signal.
     velocity : {"exact", "averaged-difference"}
-        What velocity the controller sees.
+        The velocity signal of the controller.
     """
 
     bandwidth_hz: _OneOrEach = None

@@ -1,8 +1,8 @@
-"""What thetahat raises: one class for each thing that can be wrong, with the texts of the library and the command line."""
+"""What thetahat raises: one class for each thing that can be wrong, with the texts of the library and remedies in the words of the package."""
 
 
 class ThetahatError(Exception):
-    """What every error of thetahat is."""
+    """The base class of all errors of thetahat."""
 
 
 class RobotError(ThetahatError, ValueError):
@@ -34,7 +34,7 @@ class SimulationError(ThetahatError, RuntimeError):
 
 
 class ResultsError(ThetahatError, ValueError):
-    """A ``results.json`` that cannot be read, or results that lack what is asked for."""
+    """A ``results.json`` that cannot be read, or results without the requested data."""
 
 
 class ReportError(ThetahatError, OSError):
@@ -42,16 +42,16 @@ class ReportError(ThetahatError, OSError):
 
 
 class CampaignError(ThetahatError, ValueError):
-    """A campaign that cannot be read, run or kept."""
+    """A campaign that cannot be read, run or stored."""
 
 
 class ReductionError(ThetahatError, ValueError):
-    """Recordings that cannot be reduced, or reductions that do not go together."""
+    """Recordings that cannot be reduced, or reductions that cannot be merged."""
 
 
 class EngineError(ThetahatError, RuntimeError):
-    """An engine that is not installed, not there, or loses its workers."""
+    """An engine that is not installed, does not answer, or loses its workers."""
 
 
 class PrecisionWarning(UserWarning):
-    """An array of less than double precision was converted: its resolution stays what it was."""
+    """An array of less than double precision was converted; its resolution did not improve."""

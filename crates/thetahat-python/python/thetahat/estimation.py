@@ -1,4 +1,4 @@
-"""The regression and its estimators, piece by piece: a place for a method of your own.
+"""The regression and its estimators as building blocks for your own method.
 
 >>> import numpy as np
 >>> import thetahat as th
@@ -7,7 +7,7 @@
 >>> motion = th.band_pass(log.position, rate, 40)
 >>> X = th.observation_matrix(twin.robot, *motion, decimation=10)
 >>> y = th.measurement_vector(log.torque, decimation=10)
->>> theta, *_ = np.linalg.lstsq(X, y, rcond=None)  # any estimator of your own
+>>> theta, *_ = np.linalg.lstsq(X, y, rcond=None)  # your own estimator
 >>> fit = th.estimate("idim-ls", X, y, joints=twin.robot.n)
 >>> bool(np.allclose(theta, fit.theta))
 True
@@ -35,23 +35,23 @@ def observation_matrix(
     parameters: _Columns = "base",
     sign_velocity_scale: float | None = None,
 ) -> Array:
-    """The matrix ``X`` with ``y = X theta``: every column of the regressor behind the parallel filter and the decimation.
+    """The matrix ``X`` with ``y = X theta``: the regressor after the parallel filter and the decimation.
 
     Parameters
     ----------
     robot : Robot
         The robot.
     position, velocity, acceleration : array_like (samples, n)
-        The motion, as of :func:`thetahat.band_pass`.
+        The motion, as from :func:`thetahat.band_pass`.
     decimation : int
-        Every how many samples one is kept.
+        One in this many samples is kept.
     parameters, sign_velocity_scale
-        As of :meth:`thetahat.Robot.regressor`.
+        As for :meth:`thetahat.Robot.regressor`.
 
     Returns
     -------
     ndarray (n * rows, columns)
-        Joint by joint, each joint's rows in time order; in Fortran order.
+        Rows ordered by joint, then by time; in Fortran order.
     """
     robot._refuse_channels()
     _, motion = states(robot.n, position=position, velocity=velocity, acceleration=acceleration)
@@ -78,7 +78,7 @@ def estimate(
     Parameters
     ----------
     method : {"idim-ls", "idim-wls", "idim-iv", "didim"}
-        The estimator; the last two need `Z`, and iterate nothing here.
+        The estimator; the last two need `Z`, and do not iterate here.
     X : array_like (rows, columns)
         The observation matrix.
     y : array_like (rows,)
@@ -86,7 +86,7 @@ def estimate(
     Z : array_like (rows, columns), optional
         Instruments: the observation matrix of a simulated motion.
     joints : int
-        How many joints the rows are of, one behind the other.
+        Number of joints of the rows, which are ordered by joint.
     weights : array_like (rows,), optional
         The weight of each row.
 
@@ -99,12 +99,12 @@ def estimate(
     Raises
     ------
     EstimationError
-        Where the rows do not separate the parameters.
+        If the rows do not separate the parameters.
     """
     matrix = samples("X", X)
     rows = matrix.shape[0]
     if joints < 1 or rows % joints:
-        raise ValueError(f"{rows} rows are not of {joints} joints")
+        raise ValueError(f"{rows} rows cannot be divided among {joints} joints")
     instruments = None if Z is None else samples("Z", Z)
     if instruments is not None and instruments.shape != matrix.shape:
         raise ValueError(f"Z has shape {instruments.shape}, and X has {matrix.shape}")

@@ -1,4 +1,4 @@
-"""From recordings, or an experiment file, to results."""
+"""Identification from recordings or an experiment file."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from . import _thetahat
 from ._estimators import Estimator, callers
-from ._progress import Progress, telling
+from ._progress import Progress, reporting
 from .controllers import Controller
 from .errors import SettingsError
 from .recording import Recording
@@ -20,14 +20,14 @@ _Recordings = Recording | Sequence[Recording]
 
 
 class Filter(NamedTuple):
-    """A cut-off of the position filter with a decimation, and why it was chosen."""
+    """A cut-off of the position filter with a decimation, and the reason for the choice."""
 
     cutoff_hz: float
     """Cut-off of the Butterworth filter of the positions, Hz."""
     decimation: int
-    """Every how many samples one is kept, behind the parallel filter."""
+    """One in this many samples is kept, after the parallel filter."""
     reasons: tuple[str, ...] = ()
-    """What the choice rests on, line by line."""
+    """The reasons for the choice, line by line."""
 
 
 def identify(
@@ -57,36 +57,36 @@ def identify(
     robot : Robot
         The robot.
     recordings : Recording or sequence of Recording
-        What to identify from; several are one regression.
+        The recordings; several form one regression.
     methods : str or sequence of str
         ``"idim-ls"``, ``"idim-wls"``, ``"idim-iv"``, ``"didim"``, ``"clie"``, ``"cloe"``.
     estimators : mapping, optional
-        Estimators of your own by name, beside the methods: functions of a :class:`thetahat.Regression` that return ``theta``,
+        Your own estimators by name, in addition to the methods: functions of a :class:`thetahat.Regression` that return ``theta``,
         ``(theta, covariance)`` or a :class:`thetahat.Fit`; or linear models of scikit-learn made with ``fit_intercept=False``.
-        ``result["name"]`` is what one found in the nominal case. It is called again for each part that the cross-validation
-        leaves out. Intervals are those of its own covariance; verdict, advice and exports know nothing of it.
+        ``result["name"]`` is its result in the nominal case. It is called again for each part that the cross-validation
+        leaves out. Intervals come from its own covariance; verdict, advice and exports do not use it.
     controller : Controller, optional
-        The controller of the simulated loop, which all methods but the first two need; ``"idim-iv"`` guesses one without it.
+        The controller of the simulated loop, which all methods except the first two need; ``"idim-iv"`` guesses one without it.
     cutoff_hz, decimation : float and int, optional
-        The position filter and the decimation: both, or neither, and :func:`choose_filter` chooses them, which takes seconds.
+        The position filter and the decimation. Give both or neither; then :func:`choose_filter` chooses them, which takes seconds.
     validation : Recording or sequence of Recording
-        Held back to validate on.
+        Recordings held back for validation.
     signal, parameters, estimation, simulation : mapping, optional
         Further keys of the tables of these names in an experiment file, such as ``parameters={"physical": True}`` or
         ``estimation={"weighting": {"idim-iv": "per-joint"}}``.
     cases, payloads : sequence of mapping
         The ``[[case]]`` and ``[[payload]]`` tables of an experiment file.
     title : str, optional
-        A line that says what it is; without it the robot's name.
+        The title; by default the robot's name.
     threads : int, optional
-        Threads on which loops are simulated; without it one for each processor. The results do not depend on their number.
+        Threads for simulations; by default one for each processor. The results do not depend on their number.
     progress : bool or callable
-        True shows what is being done, by tqdm where it is installed; a callable is told each stage.
+        True shows the progress, by tqdm if it is installed; a callable receives each stage.
 
     Returns
     -------
     Result
-        A method that does not converge is not an error: its run says so.
+        A method that does not converge is not an error: its run has that status.
 
     Raises
     ------
@@ -95,7 +95,7 @@ def identify(
     RecordingError
         For time stamps that cannot be used.
     EstimationError
-        For an estimator of your own that fails, with its name; ``__cause__`` is what it raised.
+        For your own estimator that fails, with its name; ``__cause__`` is its exception.
 
     Examples
     --------
@@ -133,22 +133,22 @@ def identify(
     if missing:
         chosen = _chosen(robot, all_recordings, settings)
         settings["signal"].update(cutoff_hz=chosen.cutoff_hz, decimation=chosen.decimation)
-    with telling(progress) as tell:
+    with reporting(progress) as report_stage:
         native = _thetahat.identify(
-            robot._native, (all_recordings, _list(validation)), (settings, own), title or robot.name, threads, tell
+            robot._native, (all_recordings, _list(validation)), (settings, own), title or robot.name, threads, report_stage
         )
     return Result(native, robot)
 
 
 def choose_filter(robot: Robot, recordings: _Recordings, *, parameters: _Table | None = None) -> Filter:
-    """The filter behind which IDIM-LS estimates come nearest to the truth, on twins of the longest recording.
+    """The filter with the smallest error of IDIM-LS estimates, on simulated twins of the longest recording.
 
-    It is what ``thetahat init`` proposes: where no filter can be chosen, the usual one with the reason.
+    This is the proposal of ``thetahat init``: if no filter can be chosen, the default one with the reason.
 
     Parameters
     ----------
     robot, recordings
-        As of :func:`identify`.
+        As for :func:`identify`.
     parameters : mapping, optional
         Which parameters are estimated: the table of that name in an experiment file.
     """
@@ -156,7 +156,7 @@ def choose_filter(robot: Robot, recordings: _Recordings, *, parameters: _Table |
 
 
 def _chosen(robot: Robot, recordings: list[Recording], settings: dict[str, Any]) -> Filter:
-    # The filter of the settings does not matter to the choice, and must be one.
+    # The choice ignores the filter of the settings, which must exist.
     signal = {**settings["signal"], "cutoff_hz": 1.0, "decimation": 1}
     cutoff_hz, decimation, reasons = _thetahat.choose_filter(robot._native, recordings, {**settings, "signal": signal})
     return Filter(cutoff_hz, decimation, tuple(reasons))
@@ -176,11 +176,11 @@ def run(
     experiment : path
         The experiment file.
     data : path, optional
-        The folder of the data; without it that of the experiment file.
+        The folder of the data; by default that of the experiment file.
     robot : path, optional
-        Another robot description than the one that the experiment names.
+        A robot description instead of the one in the experiment.
     progress : bool or callable
-        As of :func:`identify`.
+        As for :func:`identify`.
 
     Raises
     ------
@@ -189,8 +189,8 @@ def run(
     """
     path = os.fspath(experiment)
     folder = os.path.dirname(path) if data is None else os.fspath(data)
-    with telling(progress) as tell:
-        native, native_robot = _thetahat.run(path, folder, None if robot is None else os.fspath(robot), tell)
+    with reporting(progress) as report_stage:
+        native, native_robot = _thetahat.run(path, folder, None if robot is None else os.fspath(robot), report_stage)
     return Result(native, Robot(native_robot))
 
 

@@ -2,7 +2,7 @@
 
 Pinocchio orders the parameters of a body as ``m, mx, my, mz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz``, ours are ``xx, xy, xz, yy, yz, zz,
 mx, my, mz, m``. Both refer to the origin and the axes of the joint's frame: of a URDF ours are those of the URDF's link frame,
-and so are Pinocchio's. Our table goes on with ``ia, fv, fc, off`` of each joint.
+and so are Pinocchio's. Our table continues with ``ia, fv, fc, off`` of each joint.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Recordings: arrays of positions and torques, and what else was recorded."""
+"""Recordings: arrays of positions, torques and other signals."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from .robot import Robot
 class Recording:
     """Positions and torques of the joints, sampled at times or at a rate.
 
-    Arrays of float64 are not copied: a recording shows them through views that cannot be written. Do not change them while
-    it is in use. NumPy arrays, pandas frames and whatever :func:`numpy.asarray` takes are accepted; one index is one joint.
+    Arrays of float64 are not copied: a recording has read-only views of them. Do not change them while
+    it is in use. NumPy arrays, pandas frames and everything that :func:`numpy.asarray` accepts can be used; one index is one joint.
 
     Parameters
     ----------
@@ -26,32 +26,32 @@ class Recording:
     torque : array_like (samples, n), optional
         Torques of the joints, N m or N. Without them only ``"cloe"`` estimates.
     time : array_like (samples,), optional
-        Times, s. Their steps may vary by up to half of the usual one; longer ones are gaps. Without `sample_rate_hz` they
-        are brought to equal steps.
+        Times, s. Steps may vary by up to half of the usual step; longer steps are gaps. Without `sample_rate_hz` they
+        are resampled to equal steps.
     sample_rate_hz : float, optional
         Samples per second of arrays at equal steps.
     reference : array_like (samples, n), optional
-        What the controller was asked to follow, rad or m.
+        The reference of the controller, rad or m.
     velocity : array_like (samples, n), optional
         Velocities, which the checks compare with the positions.
     added_signal : array_like (samples, n), optional
-        A signal that was added to the drive signals behind the controller; the torques include it.
+        A signal that was added to the drive signals after the controller; the torques include it.
     channels : mapping, optional
-        Other channels by name, as torque terms take them: (samples,) or (samples, n).
+        Other channels by name, for torque terms: (samples,) or (samples, n).
     torque_hold_s : float
-        Time for which a recorded torque holds, s, as of a sampled controller.
+        Hold time of the recorded torques, s, for example of a sampled controller.
     name : str
         Its name in tables and messages.
     weight : float
-        Weight of its rows beside those of other recordings.
+        Weight of its rows relative to those of other recordings.
     window_s : tuple
         Start and end of the part that is used, s.
     payload : str, optional
-        The payload of the settings that the robot carries.
+        The payload of the robot, by its name in the settings.
     gaps : sequence of (start, end)
         Ranges of samples that were not recorded, for arrays at equal steps.
     geared : bool
-        Whether positions or torques came through the transmission.
+        Whether positions or torques were converted by the transmission.
 
     Examples
     --------
@@ -97,7 +97,7 @@ class Recording:
         self.time: Array | None = None
         if time is not None:
             stamps = vector("time", time)
-            # At equal steps behind a reader, stamps are those of the file.
+            # Time stamps of a resampled file are those of the file.
             self.time = read_only(stamps) if sample_rate_hz is not None else _long("time", stamps, count)
         self.sample_rate_hz = None if sample_rate_hz is None else float(sample_rate_hz)
         self.torque_hold_s = float(torque_hold_s)
@@ -151,23 +151,23 @@ def read_all(
 ) -> list[Recording]:
     """Read recordings from files: delimited text, NumPy, MATLAB, Parquet, ROS 2 bags.
 
-    Columns are understood by their names, as ``thetahat init`` does; what names do not tell is given. The arrays are those
+    Columns are recognised by their names, as ``thetahat init`` does; pass what the names do not show. The arrays are those
     of the reader, without a copy, in SI, on the side of the joints and at equal steps.
 
     Parameters
     ----------
     *files : path
-        Several files of one recording, or of several.
+        One or several files of one or several recordings.
     robot : Robot
-        Whose joints were recorded.
+        The robot of the recording.
     position, torque : str or sequence of str
         Columns, one for each joint, or one of a matrix: NAME, FILE or FILE:NAME.
     joints : sequence of str
-        The joints that the columns are of, in the robot's order.
+        The joints of the columns, in the robot's order.
     time : str, optional
         The time column.
     sample_rate_hz : float, optional
-        Samples per second, where there is no time column.
+        Samples per second, if there is no time column.
     position_unit, torque_unit : str, optional
         Units, such as ``"deg"`` and ``"mN m"``.
 
@@ -209,7 +209,7 @@ def read(
     Raises
     ------
     RecordingError
-        Where the files hold several recordings, and for what :func:`read_all` refuses.
+        If the files contain several recordings, and as :func:`read_all`.
     """
     found = read_all(
         *files,
@@ -223,5 +223,5 @@ def read(
         torque_unit=torque_unit,
     )
     if len(found) != 1:
-        raise RecordingError(f"the files hold {len(found)} recordings; read them with read_all")
+        raise RecordingError(f"the files contain {len(found)} recordings; read them with read_all")
     return found[0]

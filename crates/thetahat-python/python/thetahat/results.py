@@ -24,7 +24,7 @@ _NOMINAL = "nominal"
 
 
 class Parameter(NamedTuple):
-    """One estimate; numbers that a method does not give are None."""
+    """One estimate; missing numbers are None."""
 
     name: str
     """Name of the base parameter."""
@@ -33,9 +33,9 @@ class Parameter(NamedTuple):
     standard_deviation: float | None
     """Classical, as papers print it."""
     standard_deviation_robust: float | None
-    """With errors that are correlated in time and differ between joints."""
+    """Standard deviation with errors that are correlated in time and differ between joints."""
     interval_95: tuple[float, float] | None
-    """The interval of 95 % with such errors."""
+    """The 95 % interval with such errors."""
     unit: str
     """SI unit."""
     expression: str
@@ -45,16 +45,16 @@ class Parameter(NamedTuple):
 
 
 class Advice(NamedTuple):
-    """Which numbers of a case to take."""
+    """The recommended method of a case."""
 
     case: str
     """The case."""
-    take: str | None
-    """The method to take; None where no method has an estimate."""
+    recommended: str | None
+    """The recommended method; None if no method can be recommended."""
     distrust: tuple[str, ...]
-    """Methods whose estimates are not to be trusted."""
+    """Methods whose estimates cannot be trusted."""
     text: str
-    """Why, with the numbers."""
+    """The reasons, with numbers."""
 
     def __str__(self) -> str:
         return self.text
@@ -74,12 +74,12 @@ class Run:
 
     @property
     def method(self) -> str:
-        """The method, such as ``"idim-iv"``, or the name of an estimator of your own."""
+        """The method, such as ``"idim-iv"``, or the name of your own estimator."""
         return str(self._data["method"])
 
     @property
     def is_own(self) -> bool:
-        """Whether an estimator of your own made it: thetahat has not examined it, and its deviations are those that it gave."""
+        """Whether it comes from your own estimator: thetahat has not examined it, and its deviations come from that estimator."""
         return bool(self._data.get("is_own"))
 
     @property
@@ -89,7 +89,7 @@ class Run:
 
     @property
     def reason(self) -> str | None:
-        """Why it has not converged."""
+        """Why it did not converge."""
         reason: str | None = self._data["reason"]
         return reason
 
@@ -101,7 +101,7 @@ class Run:
 
     @property
     def cross_validation_relative_error_percent(self) -> float | None:
-        """The same on data that the estimate has not seen: recordings held back, or parts left out in turn."""
+        """The same on data not used for the estimate: recordings held back, or parts left out in turn."""
         error: float | None = self._data["cross_validation_relative_error_percent"]
         return error
 
@@ -122,13 +122,13 @@ class Run:
 
     @property
     def standard_deviations(self) -> Array:
-        """Their robust standard deviations, shape (parameters,); NaN where there is none. Of an estimator of your own, those
+        """Their robust standard deviations, shape (parameters,); NaN if there is none. For your own estimator, those
         of its covariance."""
         return self._column("standard_deviation" if self.is_own else "standard_deviation_robust")
 
     @property
     def intervals_95(self) -> Array:
-        """Their 95 % intervals, shape (parameters, 2); NaN where there is none."""
+        """Their 95 % intervals, shape (parameters, 2); NaN if there is none."""
         ends = [data["interval_95"] or (np.nan, np.nan) for data in self._data["parameters"]]
         return np.array(ends, dtype=np.float64).reshape(-1, 2)
 
@@ -144,11 +144,11 @@ class Run:
 
     @property
     def predicted(self) -> Array:
-        """What the estimates predict of them, shape (rows, n)."""
+        """The predicted torques, shape (rows, n)."""
         return self._curves[2]
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything that ``results.json`` holds of the run."""
+        """The content of ``results.json`` for the run."""
         return dict(self._data)
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -191,8 +191,8 @@ class Run:
 
 
 class Result:
-    """What an identification yields. ``result["idim-iv"]`` is the nominal run of a method, ``result["idim-iv", case]`` another's,
-    ``result["name"]`` what an estimator of your own found.
+    """The results of an identification. ``result["idim-iv"]`` is the nominal run of a method, ``result["idim-iv", case]`` that of another case,
+    ``result["name"]`` that of your own estimator.
 
     Results can be pickled; reports of the copy are the same to the byte.
     """
@@ -209,62 +209,62 @@ class Result:
     def read(cls, path: str | os.PathLike[str]) -> Result:
         """The results of a ``results.json``, without curves.
 
-        Results of arrays come without the robot, and predict nothing: pickle them instead.
+        Results from arrays have no robot and cannot predict: pickle them instead.
 
         Raises
         ------
         ResultsError
-            For a file that is none.
+            For a file that is not a ``results.json``.
         """
         native, robot = _thetahat.Results.read(os.fspath(path))
         return cls(native, None if robot is None else Robot(robot))
 
     @property
     def robot(self) -> Robot | None:
-        """The robot, where it is known."""
+        """The robot, if it is known."""
         return self._known_robot
 
     @property
     def verdict(self) -> str:
-        """``"good"``, ``"care"`` or ``"do-not-use"``; ``"not-judged"`` for files of before verdicts."""
+        """``"good"``, ``"care"`` or ``"do-not-use"``; ``"not-judged"`` for files without a verdict."""
         return str(self._data["verdict"] or "not-judged")
 
     @property
     def reasons(self) -> list[str]:
-        """Why the verdict is not good, the gravest first."""
+        """Why the verdict is not good, the most serious reason first."""
         return [reason["text"] for reason in self._data["verdict_reasons"]]
 
     @property
     def advice(self) -> list[Advice]:
-        """Which numbers of each case to take, and why."""
+        """The recommended method of each case, and why."""
         return [
-            Advice(advice["case"], advice["take"], tuple(advice["distrust"]), advice["text"])
+            Advice(advice["case"], advice["recommended"], tuple(advice["distrust"]), advice["text"])
             for advice in self._data["advice"]
         ]
 
     @property
     def findings(self) -> list[dict[str, Any]]:
-        """What the checks found, recording by recording."""
+        """The findings of the checks, by recording."""
         findings: list[dict[str, Any]] = self._data["findings"]
         return findings
 
     @property
     def runs(self) -> list[Run]:
-        """Every case and method, then estimators of your own."""
+        """Every case and method, then your own estimators."""
         return [self._run(number) for number in range(len(self._runs))]
 
     @property
     def best(self) -> Run:
-        """The nominal run that the advice takes; of reductions, which have no advice, that of IDIM-IV or else IDIM-LS.
+        """The recommended nominal run; for reductions, which have no advice, that of IDIM-IV or otherwise IDIM-LS.
 
         Raises
         ------
         ResultsError
-            Where no method has an estimate.
+            If no method can be recommended.
         """
         taken = self._taken()
         if taken is None:
-            raise ResultsError("no method has an estimate to take; see `reasons` and `advice`")
+            raise ResultsError("no method is recommended; see `reasons` and `advice`")
         return taken
 
     def to_dict(self) -> dict[str, Any]:
@@ -284,26 +284,26 @@ class Result:
         return self._native.text()
 
     def report(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
-        """Write the report, one HTML file that opens offline, as a whole or not at all.
+        """Write the report atomically: one HTML file that opens offline.
 
         Parameters
         ----------
         path : str or path
-            The file; one that thetahat wrote is replaced.
+            The file; a file that thetahat wrote is replaced.
         force : bool
-            Whether a file of others is replaced too.
+            Whether to replace a file that thetahat did not write.
 
         Raises
         ------
         ReportError
-            Where it cannot be written, or a file of others is there.
+            If it cannot be written, or the file exists and was not written by thetahat.
         """
         self._native.write_file("report.html", os.fspath(path), force)
 
     def write(self, folder: str | os.PathLike[str], *, force: bool = False) -> list[str]:
         """Write ``results.json``, ``parameters.csv`` and ``report.html`` into a folder; returns their paths.
 
-        Files of others of these names are replaced with `force` only, as of :meth:`report`.
+        Files of these names that thetahat did not write are replaced only with `force`, as for :meth:`report`.
         """
         return [os.fspath(path) for path in self._native.write(os.fspath(folder), force)]
 
@@ -321,35 +321,35 @@ class Result:
         Parameters
         ----------
         path : str or path
-            The file; one that thetahat wrote is replaced.
+            The file; a file that thetahat wrote is replaced.
         to : {"urdf", "mjcf", "sdf", "json"}, optional
-            The format; without it that of the file's extension, and ``.xml`` is MJCF.
+            The format; by default that of the file's extension, where ``.xml`` is MJCF.
         method : str, optional
-            Whose estimates; without it those that the advice takes.
+            The method of the estimates; by default the recommended one.
         untrusted : bool
             Whether results whose verdict is ``"do-not-use"`` are exported.
         force : bool
-            Whether a file of others is replaced too.
+            Whether to replace a file that thetahat did not write.
 
         Returns
         -------
         list of str
-            What there is to say: how the parameters were chosen, what moved, and what the format cannot say.
+            Remarks: how the parameters were chosen, what changed, and what the format cannot represent.
 
         Raises
         ------
         ResultsError
-            For results that are not to be used, without an estimate, or that no robot has.
+            For results that must not be used, without an estimate, or without a physically consistent robot.
         ReportError
-            Where the file cannot be written, or a file of others is there.
+            If the file cannot be written, or exists and was not written by thetahat.
 
         Examples
         --------
         >>> import os, tempfile, thetahat as th
         >>> twin = th.testing.twin(seconds=10)
         >>> result = th.identify(twin.robot, twin.recording, cutoff_hz=40, decimation=10)
-        >>> said = result.export(os.path.join(tempfile.mkdtemp(), "arm_identified.urdf"))
-        >>> said[0].startswith("identified by")
+        >>> remarks = result.export(os.path.join(tempfile.mkdtemp(), "arm_identified.urdf"))
+        >>> remarks[0].startswith("identified by")
         True
         """
         file = os.fspath(path)
@@ -364,7 +364,7 @@ class Result:
         q, dq, ddq : array_like (n,) or (samples, n)
             The motion.
         run : Run, optional
-            Whose estimates; without it those of :attr:`best`.
+            The run of the estimates; by default :attr:`best`.
 
         Returns
         -------
@@ -457,12 +457,12 @@ class Result:
 
     def _robot(self) -> Robot:
         if self._known_robot is None:
-            raise ResultsError("results of arrays that were read from results.json know no robot: pickle the result instead")
+            raise ResultsError("results of arrays that were read from results.json have no robot: pickle the result instead")
         return self._known_robot
 
 
 def _own_run(data: dict[str, Any]) -> dict[str, Any]:
-    """What an estimator of the user's own found, with the keys of a run."""
+    """The result of the user's own estimator, with the keys of a run."""
     ended = {"case": _NOMINAL, "method": data["name"], "is_own": True, "status": "converged", "reason": None}
     return {**ended, **data}
 
@@ -482,7 +482,7 @@ def _parameter(data: dict[str, Any]) -> Parameter:
 
 
 def _table(runs: list[Run]) -> str:
-    """The estimates of runs side by side, with half of their 95 % intervals."""
+    """The estimates of runs side by side, with the half widths of their 95 % intervals."""
     names = list(dict.fromkeys(name for run in runs for name in run.names))
     units = {parameter.name: parameter.unit for run in runs for parameter in run}
     head = "".join(f"<th>{escape(run.method)}{' (your own)' if run.is_own else ''}</th>" for run in runs)

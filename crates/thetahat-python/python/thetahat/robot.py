@@ -23,7 +23,7 @@ class BaseParameter(NamedTuple):
     """An independent combination of standard parameters."""
 
     name: str
-    """The kept parameter's name, with ``r`` behind it where others are regrouped into it."""
+    """The kept parameter's name, with a final ``r`` if others are regrouped into it."""
     expression: str
     """The formula, such as ``zz1 + ia1 + yy2``."""
     unit: str
@@ -49,7 +49,7 @@ class Robot:
         path : path
             The file.
         locked : mapping, optional
-            Joints that do not move, by name, with the coordinate (rad or m) at which they stand.
+            Joints that do not move, by name, with their coordinate (rad or m).
 
         Raises
         ------
@@ -65,7 +65,7 @@ class Robot:
 
     @classmethod
     def from_text(cls, text: str, *, name: str = "robot", locked: Mapping[str, float] | None = None) -> Robot:
-        """Make a robot from the text of a URDF or TOML description; `name` stands for the file in messages.
+        """Make a robot from the text of a URDF or TOML description; `name` is the name of the file in messages.
 
         Examples
         --------
@@ -147,7 +147,7 @@ class Robot:
 
     @property
     def n(self) -> int:
-        """Number of coordinates: of joints that move and follow no other."""
+        """Number of coordinates: joints that move and do not follow another."""
         return self._native.coordinates
 
     @property
@@ -192,7 +192,7 @@ class Robot:
         Parameters
         ----------
         theta : array_like (p,), optional
-            Standard parameters; without them the a-priori ones.
+            Standard parameters; by default the a-priori ones.
         """
         values = self._native.base_of(self._theta(theta))
         return {parameter.name: float(value) for parameter, value in zip(self.base_parameters, values, strict=True)}
@@ -259,9 +259,9 @@ class Robot:
         q, dq, ddq : array_like (n,) or (samples, n)
             The motion.
         theta : array_like (p,), optional
-            Standard parameters; without them the a-priori ones.
+            Standard parameters; by default the a-priori ones.
         sign_velocity_scale : float, optional
-            As of :meth:`regressor`.
+            As for :meth:`regressor`.
 
         Returns
         -------
@@ -283,12 +283,12 @@ class Robot:
         theta: ArrayLike | None = None,
         sign_velocity_scale: float | None = None,
     ) -> Array:
-        """The accelerations that torques give; arguments and shapes as of :meth:`inverse_dynamics`.
+        """The accelerations for given torques; arguments and shapes as for :meth:`inverse_dynamics`.
 
         Raises
         ------
         SimulationError
-            Where the parameters have no positive definite mass matrix.
+            If the parameters have no positive definite mass matrix.
         """
         self._refuse_channels()
         single, inputs = states(self.n, q=q, dq=dq, tau=tau)
@@ -312,7 +312,7 @@ class Robot:
         return self._native.joint_positions(samples("motor_positions", motor_positions, self.n))
 
     def columns(self, parameters: _Columns) -> list[int]:
-        """Indices of the standard parameters that :meth:`regressor` takes for `parameters`."""
+        """Indices of the standard parameters in `parameters`, as for :meth:`regressor`."""
         if isinstance(parameters, str):
             if parameters == "standard":
                 return list(range(len(self.parameter_names)))
@@ -331,7 +331,7 @@ class Robot:
     def _refuse_channels(self) -> None:
         if self._native.channels:
             raise RobotError(
-                f"torque terms of the robot take recorded channels ({', '.join(self._native.channels)}): "
+                f"torque terms of the robot need recorded channels ({', '.join(self._native.channels)}): "
                 "identify from recordings with `channels`"
             )
 

@@ -1,4 +1,4 @@
-"""Filters, derivatives and decimation, without delay: the way from recorded positions to the observation matrix."""
+"""Filters, derivatives and decimation without delay: from recorded positions to the observation matrix."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _Kind = Literal["nine-point", "central"]
 
 
 class Motion(NamedTuple):
-    """A motion sample by sample, each of shape (samples, n)."""
+    """A motion, each array of shape (samples, n)."""
 
     position: Array
     """rad or m."""
@@ -38,12 +38,12 @@ def band_pass(
     order : int
         Order of the filter.
     derivative : {"nine-point", "central"}
-        How it is differentiated.
+        The differentiation formula.
 
     Raises
     ------
     SignalError
-        For a cut-off beyond half the sample rate, or a record shorter than the filter's ends.
+        For a cut-off beyond half the sample rate, or a recording shorter than the filter's ends.
 
     Examples
     --------
@@ -62,7 +62,7 @@ def zero_phase(values: ArrayLike, sample_rate_hz: float, cutoff_hz: float, *, or
     Raises
     ------
     SignalError
-        As of :func:`band_pass`.
+        As for :func:`band_pass`.
     """
     shape = np.shape(values)
     return _thetahat.zero_phase(samples("values", values), sample_rate_hz, cutoff_hz, order).reshape(shape)
@@ -85,12 +85,12 @@ def derivative(values: ArrayLike, sample_rate_hz: float, *, kind: _Kind = "nine-
 def decimate(values: ArrayLike, factor: int) -> Array:
     """The parallel filter and every `factor`-th sample, shape (ceil(samples / factor), ...); the last sample is kept.
 
-    Torques and every column of an observation matrix go through it alike, so that ``y = X theta`` stays true.
+    Torques and every column of an observation matrix are processed alike, so that ``y = X theta`` still holds.
 
     Raises
     ------
     SignalError
-        For a factor of zero, or a record shorter than the filter's ends.
+        For a factor of zero, or a recording shorter than the filter's ends.
     """
     array = float64("values", values)
     decimated = _thetahat.decimate(samples("values", array), factor)

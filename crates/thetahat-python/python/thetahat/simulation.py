@@ -15,7 +15,7 @@ from .robot import Robot
 
 
 class Simulated(NamedTuple):
-    """A simulated motion, each but the time of shape (samples, n)."""
+    """A simulated motion; all arrays except the time have shape (samples, n)."""
 
     time: Array
     """Shape (samples,), s."""
@@ -46,13 +46,13 @@ def simulate(
     robot : Robot
         The robot.
     reference : array_like (samples, n)
-        What the joints are asked to follow, rad or m.
+        The reference of the joints, rad or m.
     sample_rate_hz : float
         Samples per second of the reference and of the output.
     controller : Controller
         The controller, which acts on the motors.
     theta : array_like (p,), optional
-        Standard parameters; without them the a-priori ones.
+        Standard parameters; by default the a-priori ones.
     simulation : mapping, optional
         The table of that name in an experiment file: ``solver`` and ``sign_velocity_scale``.
     bias : mapping, optional

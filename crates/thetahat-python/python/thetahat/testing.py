@@ -46,18 +46,18 @@ fc2 = 0.4
 
 
 class Twin(NamedTuple):
-    """A simulated robot that was recorded."""
+    """A simulated robot with its recording."""
 
     robot: Robot
     """The robot; its a-priori parameters are the true ones."""
     recording: Recording
-    """What sensors saw: positions, torques, and the reference without noise."""
+    """The measured positions and torques, and the reference without noise."""
     truth: dict[str, float]
     """The true base parameters by name, SI."""
     motion: Simulated
     """The motion and torques without noise."""
     controller: PD
-    """The controller under which it moved."""
+    """The controller of the motion."""
 
 
 def arm() -> Robot:
@@ -91,9 +91,9 @@ def twin(
     Parameters
     ----------
     robot : Robot, optional
-        The robot with its true parameters as a-priori ones; without it :func:`arm`.
+        The robot with its true parameters as a-priori ones; by default :func:`arm`.
     seconds, sample_rate_hz : float
-        Length and rate of the record.
+        Length and rate of the recording.
     bandwidth_hz : float
         Of the controller, with feed-forward of the reference's velocity and acceleration.
     encoder_counts_per_turn : float
@@ -101,7 +101,7 @@ def twin(
     torque_noise : float
         Standard deviation of the white noise on torques, N m.
     seed : int
-        Of the noise; the same seed gives the same record.
+        Seed of the noise; the same seed gives the same recording.
 
     Examples
     --------

@@ -4,7 +4,7 @@ use super::plot::{Axis, Chart, Panel, Path, Tick, UNITS, WIDE, pixel};
 use crate::results::Quantiles;
 
 const HEIGHT: f64 = 190.0;
-/// Part of a group's width that its boxes take, and of a box's place that the box takes.
+/// Width of the boxes over the width of their group, and of a box over its share of that.
 const GROUP: f64 = 0.7;
 const BOX: f64 = 0.6;
 
@@ -41,10 +41,10 @@ fn outlines(panel: &Panel, groups: &[BoxGroup]) -> Vec<Path> {
     let width = panel.width / groups.len().max(1) as f64;
     let mut paths = Vec::new();
     for (i, group) in groups.iter().enumerate() {
-        let place = GROUP * width / group.boxes.len().max(1) as f64;
+        let share = GROUP * width / group.boxes.len().max(1) as f64;
         for (k, of) in group.boxes.iter().enumerate() {
-            let x = (i as f64 + 0.5) * width + (k as f64 - 0.5 * (group.boxes.len() - 1) as f64) * place;
-            paths.push(Path { class: of.class.clone(), data: outline(&axis, &of.quantiles, x, 0.5 * BOX * place) });
+            let x = (i as f64 + 0.5) * width + (k as f64 - 0.5 * (group.boxes.len() - 1) as f64) * share;
+            paths.push(Path { class: of.class.clone(), data: outline(&axis, &of.quantiles, x, 0.5 * BOX * share) });
         }
     }
     paths

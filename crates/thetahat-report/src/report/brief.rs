@@ -1,4 +1,4 @@
-//! The results on one screen: findings, runs and the estimates of the method taken.
+//! The results on one screen: findings, runs and the estimates of the recommended method.
 
 use super::{
     facts, findings,
@@ -14,7 +14,7 @@ use thetahat_ground::visible::visible;
 /// Columns between two estimates in a line.
 const GAP: usize = 3;
 
-/// What was identified, what is wrong with it, and the estimates to take. The verdict card belongs under it.
+/// The identified robot, findings, runs and the recommended estimates. The verdict card is printed below.
 #[must_use]
 pub fn brief(results: &Results, width: TextWidth) -> String {
     let mut parts = vec![head(results, width), findings::brief(results, width), runs(results, width)];
@@ -46,7 +46,7 @@ fn head(results: &Results, width: TextWidth) -> String {
     lines.iter().flatten().map(|line| wrap(line, "", width)).collect()
 }
 
-/// How many rows there are, by joint where each has as many: without those near rest joints have fewer.
+/// The number of rows, per joint if all joints have the same number: without samples near rest they may differ.
 fn rows(results: &Results) -> String {
     let all_rows = results.recordings.iter().all(|r| r.near_rest.is_none());
     let rows = results.decimated_rows;
@@ -57,50 +57,55 @@ fn rows(results: &Results) -> String {
     }
 }
 
-/// One row for each run; the cases where there are several.
+/// One row for each run; with the case if there are several.
 fn runs(results: &Results, width: TextWidth) -> String {
     let several = results.cases().len() > 1;
-    let taken = results
+    let recommended = results
         .recommended_run()
         .filter(|_| results.verdict != Some(Verdict::DoNotUse))
         .map(|r| (r.case.clone(), r.method));
-    let is_taken = |r: &RunResult| taken.as_ref().is_some_and(|(case, method)| (case, method) == (&r.case, &r.method));
+    let is_recommended =
+        |r: &RunResult| recommended.as_ref().is_some_and(|(case, method)| (case, method) == (&r.case, &r.method));
     let row = |r: &RunResult| {
         let case = several.then(|| r.case.clone());
         let figures = [
-            if is_taken(r) { format!("{} *", r.method.name()) } else { r.method.name().to_owned() },
+            if is_recommended(r) { format!("{} *", r.method.name()) } else { r.method.name().to_owned() },
             r.status.name().to_owned(),
             optional(r.relative_error_percent, 3),
             optional(r.cross_validation_relative_error_percent, 3),
         ];
         case.into_iter().chain(figures).collect()
     };
-    let head = several.then_some("case").into_iter().chain(["method", "status", "error %", "unseen %"]);
-    let unseen = tables::unseen(results);
-    let star = if taken.is_some() { "* to take. " } else { "" };
+    let head = several.then_some("case").into_iter().chain(["method", "status", "error %", "validation %"]);
+    let validation = tables::validation(results);
+    let star = if recommended.is_some() { "* recommended. " } else { "" };
     let runs: Vec<&RunResult> = results.runs.iter().collect();
     let table = Table {
         title: "Runs".to_owned(),
         lead: if several { 3 } else { 2 },
         head: head.map(str::to_owned).collect(),
         rows: results.runs.iter().map(row).collect(),
-        notes: unseen.map(|text| format!("{star}unseen: {text}.")).into_iter().chain(tables::reasons(&runs)).collect(),
+        notes: validation
+            .map(|text| format!("{star}validation: {text}."))
+            .into_iter()
+            .chain(tables::reasons(&runs))
+            .collect(),
         ..Table::default()
     };
     table.to_text(width)
 }
 
-/// The estimates of a run by grade, as many side by side as fit; of those that are not identified the names.
+/// The estimates of a run by grade, in as many columns as fit; of parameters not identified only the names.
 fn estimates(run: &RunResult, width: TextWidth) -> String {
     let is_regrouped = run.parameters.iter().any(|p| p.name.ends_with('r'));
-    let regrouped = if is_regrouped { " (r: with others regrouped)" } else { "" };
+    let regrouped = if is_regrouped { " (r: includes others)" } else { "" };
     let head = format!("Estimates of {} \u{b1} half of the 95 % interval{regrouped}", run.method);
     let mut text = wrap(&head, "", width);
     let (moved, wide): (Vec<_>, Vec<_>) = run.graded(Grade::Rough).partition(|p| run.may_be_moved(p).is_some());
     for (grade, what, known) in [
         (Grade::Precise, "the interval is within 20 % of the estimate", run.graded(Grade::Precise).collect()),
         (Grade::Rough, "the interval is wider, and excludes zero", wide),
-        (Grade::Rough, "friction near rest or a delay may have moved them by the last number", moved),
+        (Grade::Rough, "friction near rest or a delay may shift them by the last number", moved),
         (Grade::Impossible, "a motor inertia or friction below zero", run.graded(Grade::Impossible).collect()),
     ] {
         if !known.is_empty() {
@@ -111,15 +116,15 @@ fn estimates(run: &RunResult, width: TextWidth) -> String {
     let names: Vec<&str> = run.graded(Grade::NotIdentified).map(|p| p.name.as_str()).collect();
     if !names.is_empty() {
         let moved = run.parameters.iter().any(|p| run.may_be_moved(p).is_some());
-        let or_moved = if moved { ", or may have been moved from it" } else { "" };
-        text += &wrap(&format!("not identified: the interval holds zero{or_moved}"), "  ", width);
+        let or_moved = if moved { ", or would after such a shift" } else { "" };
+        text += &wrap(&format!("not identified: the interval contains zero{or_moved}"), "  ", width);
         text += &wrap(&names.join(" "), "    ", width);
     }
     let held = tables::interval_counts(&[run]);
     text + &held.map_or_else(String::new, |line| wrap(&line, "  ", width))
 }
 
-/// Name, value, half of the interval and unit of each parameter, in columns of the same width, and how far it may be moved.
+/// Name, value, half width and unit of each parameter, in columns of the same width, and its possible shift.
 fn cells(run: &RunResult, parameters: &[&ParameterResult]) -> Vec<String> {
     let texts: Vec<[String; 5]> = parameters.iter().map(|p| texts(run, p)).collect();
     let widest = |c: usize| texts.iter().map(|t| t[c].chars().count()).max().unwrap_or(0);
@@ -135,7 +140,7 @@ fn texts(run: &RunResult, p: &ParameterResult) -> [String; 5] {
     [visible(&p.name).into_owned(), estimate(p.estimate, half), width, p.unit.clone(), moved]
 }
 
-/// Texts of the same width in as many columns as fit, to be read downwards.
+/// Texts of the same width in as many columns as fit, ordered down the columns.
 fn side_by_side(texts: &[String], width: TextWidth) -> String {
     const INDENT: &str = "    ";
     let room = width.columns() - INDENT.len();
@@ -154,7 +159,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn texts_stand_in_as_many_columns_as_fit() {
+    fn texts_are_arranged_in_as_many_columns_as_fit() {
         let texts: Vec<String> = ["a1234567", "b1234567", "c1234567", "d1234567", "e1234567"].map(str::to_owned).into();
         let expected = "    a1234567   c1234567   e1234567\n    b1234567   d1234567\n";
         assert_eq!(side_by_side(&texts, TextWidth::new(40)), expected);

@@ -36,7 +36,7 @@ pub fn campaign_text(results: &CampaignResults, width: TextWidth) -> String {
 /// The page of a campaign.
 pub const CAMPAIGN_PAGE: &str = "campaign.html";
 
-/// Writes `campaign.html` into a folder that is there. Returns its path.
+/// Writes `campaign.html` into an existing folder. Returns its path.
 ///
 /// # Errors
 /// [`ReportError`] where the page cannot be rendered or written.
@@ -44,7 +44,7 @@ pub fn write_campaign(results: &CampaignResults, directory: &Path) -> Result<Pat
     let sections = vec![
         Section {
             id: "coverage",
-            title: "What the methods get right",
+            title: "Coverage, bias and power",
             figures: [coverage, bias, power].into_iter().filter_map(|figure| figure(&results.summaries)).collect(),
             ..Section::default()
         },
@@ -63,14 +63,14 @@ pub fn write_campaign(results: &CampaignResults, directory: &Path) -> Result<Pat
             folded: parameters(&results.summaries),
             ..Section::default()
         },
-        Section { id: "files", title: "What was done", files: files(results), ..Section::default() }
+        Section { id: "files", title: "Campaign, experiment and robot", files: files(results), ..Section::default() }
             .folded("campaign, experiment and robot files"),
     ];
     let page = Page {
         title: &results.title,
         facts: facts(results),
         sections: sections.into_iter().filter(|s| !s.is_empty()).collect(),
-        footer: "All figures but the counts of runs are of the runs that converged.",
+        footer: "All figures except the counts of runs are from runs that converged.",
         ..Page::default()
     };
     write_one(directory, CAMPAIGN_PAGE, render(&page)?.into_bytes())
@@ -84,7 +84,7 @@ fn facts(results: &CampaignResults) -> Vec<(&'static str, String)> {
     };
     vec![
         ("robot", results.robot.clone()),
-        ("record", results.experiment_title.clone()),
+        ("experiment", results.experiment_title.clone()),
         ("parameters", results.parameters.to_string()),
         ("starts", starts),
         ("seeds", extent(results.seeds)),
@@ -93,7 +93,7 @@ fn facts(results: &CampaignResults) -> Vec<(&'static str, String)> {
 }
 
 fn extent(Extent { run, described }: Extent) -> String {
-    if run == described { run.to_string() } else { format!("{run}, of the {described} that are described") }
+    if run == described { run.to_string() } else { format!("{run} of {described}") }
 }
 
 fn claims(results: &CampaignResults) -> Vec<String> {
@@ -129,7 +129,9 @@ fn figures(results: &CampaignResults) -> Vec<Figure> {
         let chart = |(title, metric): &(&str, Metric)| box_chart((*title).to_owned(), &groups(&of_case, *metric));
         Figure {
             conclusion: closest(case, &of_case),
-            caption: format!("converged runs of {case}; whiskers to the extremes, boxes over the middle half"),
+            caption: format!(
+                "converged runs of {case}; whiskers to the extremes, boxes from the lower to the upper quartile"
+            ),
             legend: legend_of(&of_case),
             charts: metrics.iter().map(chart).collect(),
             ..Figure::default()
@@ -156,11 +158,11 @@ fn closest(case: &str, summaries: &[&MethodSummary]) -> String {
     if best.is_empty() {
         String::new()
     } else {
-        format!("{case}: the estimates of these are closest to the truth: {}.", best.join("; "))
+        format!("{case}: closest to the true parameters: {}.", best.join("; "))
     }
 }
 
-/// The methods that some summaries are of.
+/// The methods of the summaries.
 fn legend_of(summaries: &[&MethodSummary]) -> Vec<Key> {
     let shown = Method::all().map(Method::name).filter(|name| summaries.iter().any(|s| s.method == *name));
     shown.map(|name| Key::new(name, name)).collect()

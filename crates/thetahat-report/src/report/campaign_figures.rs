@@ -1,4 +1,4 @@
-//! Whether intervals hold the truth, and how far estimates lie off, noise by noise.
+//! Coverage of the intervals and bias of the estimates, for each noise level.
 
 use super::{
     box_plot::under_groups,
@@ -9,42 +9,42 @@ use super::{
 use crate::results::{Method, MethodSummary};
 
 const HEIGHT: f64 = 150.0;
-/// What an interval of 95 % predicts, percent.
+/// Nominal coverage of a 95 % interval, percent.
 const PREDICTED: f64 = 95.0;
 /// Standard deviations on both sides that hold 95 % of a normal distribution.
 const NORMAL_95: f64 = 1.96;
-/// Part of a place that its methods take.
+/// Share of a position's width that its methods use.
 const PART: f64 = 0.6;
 
-/// A number of each method at each place: a case and a noise.
-struct Places<'a> {
+/// A number of each method at each position: a case and a noise level.
+struct Positions<'a> {
     summaries: &'a [MethodSummary],
     labels: Vec<String>,
     methods: Vec<Method>,
 }
 
-impl<'a> Places<'a> {
+impl<'a> Positions<'a> {
     fn of(summaries: &'a [MethodSummary]) -> Self {
         let several = summaries.iter().any(|s| s.case != summaries[0].case);
-        let mut places = Self { summaries, labels: Vec::new(), methods: Vec::new() };
+        let mut positions = Self { summaries, labels: Vec::new(), methods: Vec::new() };
         for summary in summaries {
             let label = label(summary, several);
-            if !places.labels.contains(&label) {
-                places.labels.push(label);
+            if !positions.labels.contains(&label) {
+                positions.labels.push(label);
             }
         }
-        places.methods = Method::all().filter(|m| summaries.iter().any(|s| s.method == m.name())).collect();
-        places
+        positions.methods = Method::all().filter(|m| summaries.iter().any(|s| s.method == m.name())).collect();
+        positions
     }
 
-    /// The values of a method, each beside those of the others at its place.
+    /// The values of a method, next to those of the others at each position.
     fn curve(&self, method: Method, value: fn(&MethodSummary) -> Option<f64>) -> Curve {
         let several = self.summaries.iter().any(|s| s.case != self.summaries[0].case);
         let lane = self.methods.iter().position(|m| *m == method).unwrap_or(0) as f64 + 0.5;
         let offset = PART * (lane / self.methods.len().max(1) as f64 - 0.5);
         let point = |s: &MethodSummary| {
-            let place = self.labels.iter().position(|l| *l == label(s, several))?;
-            Some((place as f64 + 0.5 + offset, value(s)?))
+            let position = self.labels.iter().position(|l| *l == label(s, several))?;
+            Some((position as f64 + 0.5 + offset, value(s)?))
         };
         let of_method = self.summaries.iter().filter(|s| s.method == method.name());
         Curve::new(method.name(), of_method.filter_map(point).collect())
@@ -65,31 +65,31 @@ fn label(summary: &MethodSummary, several_cases: bool) -> String {
     if several_cases { format!("{} {}", summary.case, summary.noise) } else { summary.noise.clone() }
 }
 
-/// How often intervals hold the truth; none where no summary says it.
+/// How often intervals contain the true value; none without coverages.
 pub(super) fn coverage(summaries: &[MethodSummary]) -> Option<Figure> {
     let runs = summaries.iter().filter(|s| s.coverage_percent.is_some()).map(|s| s.converged).min()?;
-    let places = Places::of(summaries);
+    let positions = Positions::of(summaries);
     let half = 100.0 * NORMAL_95 * (0.95 * 0.05 / runs.max(1) as f64).sqrt();
-    let curves: Vec<Curve> = places.methods.iter().map(|m| places.curve(*m, |s| s.coverage_percent)).collect();
+    let curves: Vec<Curve> = positions.methods.iter().map(|m| positions.curve(*m, |s| s.coverage_percent)).collect();
     let found = Range::of(curves.iter().flat_map(|c| c.points.iter().map(|p| p.1)));
     let shown = found.with(PREDICTED - 1.2 * half).with(100.0).padded(0.04);
-    let ends = [0.0, places.labels.len() as f64];
+    let ends = [0.0, positions.labels.len() as f64];
     let band = Area {
         class: "band".to_owned(),
         points: ends.map(|x| (x, [PREDICTED - half, (PREDICTED + half).min(100.0)])).into(),
     };
     let chart =
-        Chart::new("Intervals of 95 % that hold the true value, %".to_owned(), "noise", WIDE).with(HEIGHT, |p| {
-            let panel = places.panel(p).up(shown).area(&band).level("nominal", PREDICTED);
+        Chart::new("95 % intervals that contain the true value, %".to_owned(), "noise", WIDE).with(HEIGHT, |p| {
+            let panel = positions.panel(p).up(shown).area(&band).level("nominal", PREDICTED);
             curves.iter().fold(panel, Panel::dots)
         });
     Some(Figure {
-        conclusion: conclusion(summaries, &places.methods, half),
+        conclusion: conclusion(summaries, &positions.methods, half),
         caption: "coverage of the 95 % intervals".to_owned(),
-        legend: places.keys().into_iter().chain([Key::new("band", "what chance alone gives")]).collect(),
+        legend: positions.keys().into_iter().chain([Key::new("band", "expected from chance alone")]).collect(),
         charts: vec![chart],
         notes: vec![format!(
-            "The band holds 95 % of what {runs} runs of independent errors give; parameters of one run are not \
+            "The band contains 95 % of the coverages of {runs} runs with independent errors; parameters of one run are not \
                              independent, so that it is wide rather than narrow."
         )],
     })
@@ -107,19 +107,20 @@ fn conclusion(summaries: &[MethodSummary], methods: &[Method], half: f64) -> Str
         let texts: Vec<String> = of.into_iter().map(|(text, _)| text).collect();
         (!texts.is_empty()).then(|| format!("{what}, at worst: {}.", texts.join(", ")))
     };
-    let miss = listed("Intervals of 95 % hold the truth less often than predicted", miss);
-    let keep = listed("Intervals of 95 % hold the truth as predicted", keep);
+    let miss = listed("95 % intervals contain the true value less often than predicted", miss);
+    let keep = listed("95 % intervals contain the true value as often as predicted", keep);
     miss.into_iter().chain(keep).collect::<Vec<_>>().join(" ")
 }
 
-/// Rms of the bias in deviations; none where no summary says it.
+/// Rms of the bias in standard deviations; none without biases.
 pub(super) fn bias(summaries: &[MethodSummary]) -> Option<Figure> {
     summaries.iter().find_map(|s| s.bias)?;
-    let places = Places::of(summaries);
-    let curves: Vec<Curve> = places.methods.iter().map(|m| places.curve(*m, |s| s.bias.filter(|b| *b > 0.0))).collect();
+    let positions = Positions::of(summaries);
+    let curves: Vec<Curve> =
+        positions.methods.iter().map(|m| positions.curve(*m, |s| s.bias.filter(|b| *b > 0.0))).collect();
     let chart = Chart::new("Bias, classical standard deviations".to_owned(), "noise", WIDE).with(HEIGHT, |p| {
         let biases = curves.iter().flat_map(|c| c.points.iter().map(|p| p.1));
-        let panel = places.panel(p).up_by_powers(biases.chain([1.0])).level("nominal", 1.0);
+        let panel = positions.panel(p).up_by_powers(biases.chain([1.0])).level("nominal", 1.0);
         curves.iter().fold(panel, Panel::dots)
     });
     let largest = |method: &Method| {
@@ -127,15 +128,14 @@ pub(super) fn bias(summaries: &[MethodSummary]) -> Option<Figure> {
         let bias = of_method.filter_map(|s| s.bias).max_by(f64::total_cmp)?;
         Some(format!("{method} {}", significant(bias, 2)))
     };
-    let all: Vec<String> = places.methods.iter().filter_map(largest).collect();
+    let all: Vec<String> = positions.methods.iter().filter_map(largest).collect();
     Some(Figure {
         conclusion: format!("Largest bias of the mean estimates, in standard deviations: {}.", all.join(", ")),
-        caption: "bias of the estimates over the noise, on an axis of powers of ten".to_owned(),
-        legend: places.keys(),
+        caption: "bias of the estimates over the noise, logarithmic".to_owned(),
+        legend: positions.keys(),
         charts: vec![chart],
         notes: vec![
-            "Above the line at one deviation the bias is larger than the deviations that the estimates state."
-                .to_owned(),
+            "Above the line at one standard deviation the bias exceeds the stated standard deviation.".to_owned(),
         ],
     })
 }

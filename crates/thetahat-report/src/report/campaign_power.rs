@@ -1,4 +1,4 @@
-//! How often a parameter is told from zero, over its size.
+//! Power: how often an interval excludes zero, over the size of the parameter.
 
 use statrs::function::erf::erfc;
 
@@ -12,12 +12,12 @@ use crate::results::{Method, MethodSummary, ParameterSummary};
 const HEIGHT: f64 = 170.0;
 /// Quantile of the normal distribution that bounds an interval of 95 %.
 const NORMAL_95: f64 = 1.96;
-/// A parameter is told from zero reliably from this part of the runs on, percent.
+/// Share of runs from which the interval of a parameter excludes zero reliably, percent.
 const RELIABLE: f64 = 80.0;
 /// Points of the expected curve.
 const POINTS: usize = 80;
 
-/// Of the first case, a chart for each noise; none where no parameter has a size and a deviation.
+/// For the first case, a chart for each noise level; none if no parameter has a size and a deviation.
 pub(super) fn power(summaries: &[MethodSummary]) -> Option<Figure> {
     let case = summaries.iter().find(|s| s.parameters.iter().any(|p| size(p).is_some())).map(|s| &s.case)?;
     let of_case: Vec<&MethodSummary> = summaries.iter().filter(|s| s.case == *case).collect();
@@ -27,16 +27,16 @@ pub(super) fn power(summaries: &[MethodSummary]) -> Option<Figure> {
         Method::all().filter(|m| of_case.iter().any(|s| s.method == m.name() && s.converged > 0)).collect();
     let sizes: Vec<f64> = of_case.iter().flat_map(|s| &s.parameters).filter_map(size).collect();
     let at = |noise: &&str| {
-        let curves: Vec<Curve> = methods.iter().map(|m| told(&of_case, noise, *m)).collect();
+        let curves: Vec<Curve> = methods.iter().map(|m| power_of(&of_case, noise, *m)).collect();
         chart(noise, &curves, &sizes)
     };
     Some(Figure {
         conclusion: conclusion(&of_case, &noises, &methods),
-        caption: format!("how often an interval of 95 % excludes zero, over the size of the parameter ({case})"),
+        caption: format!("how often a 95 % interval excludes zero, over the size of the parameter ({case})"),
         legend: methods
             .iter()
             .map(|m| Key::new(m.name(), m.name()))
-            .chain([Key::new("expected", "expected of intervals that are right")])
+            .chain([Key::new("expected", "expected for correct intervals")])
             .collect(),
         charts: noises.iter().map(at).collect(),
         notes: vec![
@@ -62,7 +62,7 @@ fn parameters<'a>(
     of_both.flat_map(|s| &s.parameters).filter(|p| size(p).is_some())
 }
 
-fn told(summaries: &[&MethodSummary], noise: &str, method: Method) -> Curve {
+fn power_of(summaries: &[&MethodSummary], noise: &str, method: Method) -> Curve {
     let points = parameters(summaries, noise, method).filter_map(|p| Some((size(p)?, p.power_percent)));
     Curve::new(method.name(), points.collect())
 }
@@ -79,14 +79,14 @@ fn chart(noise: &str, curves: &[Curve], sizes: &[f64]) -> Chart {
     )
 }
 
-/// How often an interval of 95 % of an unbiased normal estimate excludes zero, at equal steps of the size's logarithm.
+/// How often a 95 % interval of an unbiased normal estimate excludes zero, at equal steps of the size's logarithm.
 fn expected([low, high]: [f64; 2]) -> Curve {
     let at = |k: usize| low * (high / low).powf(k as f64 / (POINTS - 1) as f64);
     let power = |size: f64| 100.0 * (normal_cdf(size - NORMAL_95) + normal_cdf(-size - NORMAL_95));
     Curve::new("expected", (0..POINTS).map(at).map(|size| (size, power(size))).collect())
 }
 
-/// The probability that a standard normal variable stays below a value.
+/// The probability that a standard normal variable is below a value.
 fn normal_cdf(value: f64) -> f64 {
     0.5 * erfc(-value * std::f64::consts::FRAC_1_SQRT_2)
 }
@@ -95,13 +95,17 @@ fn conclusion(summaries: &[&MethodSummary], noises: &[&str], methods: &[Method])
     let at = |noise: &&str| {
         let counted = |method: &Method| {
             let of_both: Vec<_> = parameters(summaries, noise, *method).collect();
-            let told = of_both.iter().filter(|p| p.power_percent >= RELIABLE).count();
-            format!("{method} {told} of {}", of_both.len())
+            let found = of_both.iter().filter(|p| p.power_percent >= RELIABLE).count();
+            format!("{method} {found} of {}", of_both.len())
         };
         format!("{} at {noise}", methods.iter().map(counted).collect::<Vec<_>>().join(", "))
     };
     let all: Vec<String> = noises.iter().map(at).collect();
-    format!("Parameters that are told from zero in at least {} % of the runs: {}.", fixed(RELIABLE, 0), all.join("; "))
+    format!(
+        "Parameters whose interval excludes zero in at least {} % of the runs: {}.",
+        fixed(RELIABLE, 0),
+        all.join("; ")
+    )
 }
 
 #[cfg(test)]
@@ -146,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn parameters_told_from_zero_are_counted_noise_by_noise() {
+    fn parameters_whose_interval_excludes_zero_are_counted_per_noise() {
         let low = summary("low", vec![parameter(5.0, 100.0), parameter(-0.5, 20.0), parameter(0.0, 5.0)]);
         let figure = power(&[low, summary("high", vec![parameter(5.0, 90.0), parameter(1.5, 85.0)])]).unwrap();
         let counts = "idim-iv 1 of 2 at low; idim-iv 2 of 2 at high.";

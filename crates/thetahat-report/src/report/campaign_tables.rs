@@ -10,10 +10,10 @@ const HEAD: [&str; 11] =
     ["method", "ok", "bias", "spread", "cover %", "dist %", "pos %", "torque %", "iter", "sims", "ms"];
 
 /// What the columns are.
-pub(super) const LEGEND: &str = "ok: runs that converged; all other figures are of these alone. bias: rms over the \
+pub(super) const LEGEND: &str = "ok: runs that converged; all other figures are from these only. bias: rms over the \
     parameters of the mean error in classical standard deviations. spread: rms over the parameters of the estimates' \
-    standard deviation over the classical one (1 where that is right). cover: how often the 95 % interval \
-    holds the true value. dist: median of |theta - theta_true| / |theta_true|. pos, torque: medians of the relative \
+    standard deviation over the classical one (1 if that is right). cover: how often the 95 % interval \
+    contains the true value. dist: median of |theta - theta_true| / |theta_true|. pos, torque: medians of the relative \
     errors of the loop simulated with the estimate against the true motion. iter, sims: iterations and closed-loop \
     simulations, on average. ms: time from the measurements to the estimate, on average.";
 

@@ -1,4 +1,4 @@
-//! What CLIE and CLOE say beyond the estimates: quantities of the loop, and DIDIM's approximation.
+//! Results of CLIE and CLOE beyond the estimates: quantities of the loop, and DIDIM's approximation.
 
 use super::{
     number::{NONE, estimate, significant},
@@ -9,7 +9,7 @@ use crate::results::{ApproximatedParameter, LoopParameterResult, Results, RunRes
 /// Parameters that a table lists.
 const LISTED: usize = 6;
 
-/// What was estimated of the simulated loop, one row for each quantity.
+/// Estimated quantities of the simulated loop, one row for each.
 pub(super) fn loop_parameters(results: &Results) -> Option<Table> {
     let rows: Vec<Vec<String>> =
         results.runs.iter().flat_map(|r| r.loop_parameters.iter().map(|p| loop_row(r, p))).collect();
@@ -19,7 +19,7 @@ pub(super) fn loop_parameters(results: &Results) -> Option<Table> {
         head: strings(&["case", "method", "quantity", "unit", "estimate", "sd", "95 % from", "to"]),
         rows,
         notes: strings(&[
-            "Factors on what the experiment describes, and an added delay. sd: classical; the interval allows for correlated \
+            "Factors on the values in the experiment file, and an added delay. sd: classical; the interval allows for correlated \
              errors.",
         ]),
         ..Table::default()
@@ -59,7 +59,7 @@ fn approximation_with(results: &Results, listed: usize) -> Option<Table> {
         rows.extend(parameters.into_iter().take(listed).map(|p| approximation_row(&diagnosis.case, p)));
     }
     (!rows.is_empty()).then(|| Table {
-        title: "What didim's approximated sensitivities leave out".to_owned(),
+        title: "Error of didim's approximated sensitivities".to_owned(),
         lead: 2,
         head: strings(&["case", "parameter", "column %", "didim - clie", "sd"]),
         rows,
@@ -81,14 +81,15 @@ fn approximation_row(case: &str, p: &ApproximatedParameter) -> Vec<String> {
     ]
 }
 
-/// What the numbers of the methods are of, where not all are of torques; and whether DIDIM's approximation matters.
+/// Which methods have errors of positions, and whether DIDIM's approximation matters.
 pub(super) fn notes(results: &Results) -> Vec<String> {
     let of_positions = results.runs.iter().find(|r| r.is_of_positions());
-    let positions = of_positions.map(|r| format!("{}: its errors are of positions, not of torques.", r.method.name()));
+    let positions =
+        of_positions.map(|r| format!("{}: its errors are errors of positions, not of torques.", r.method.name()));
     let matters = results.diagnostics.iter().filter_map(|d| {
-        let found = d.approximation.as_ref().filter(|a| a.matters)?;
-        let many = found.parameters.iter().filter(|p| p.deviations.abs() > 1.0).count();
-        let (count, case) = (found.parameters.len(), &d.case);
+        let approximation = d.approximation.as_ref().filter(|a| a.matters)?;
+        let many = approximation.parameters.iter().filter(|p| p.deviations.abs() > 1.0).count();
+        let (count, case) = (approximation.parameters.len(), &d.case);
         Some(format!(
             "{case}: didim differs from clie by more than the standard deviation in {many} of {count} parameters: it is least \
              squares with approximated sensitivities, equations (16) and (17), clie with exact ones."

@@ -1,4 +1,4 @@
-//! Several results beside each other: tables for the terminal, and a page.
+//! Comparison of several results: tables for the terminal, and a page.
 
 use std::path::Path;
 
@@ -39,7 +39,7 @@ pub fn write_comparison(compared: &SideBySide, path: &Path) -> Result<(), Report
         tables: tables(compared),
         ..Section::default()
     };
-    let page = Page { title: "Results beside each other", sections: vec![section], ..Page::default() };
+    let page = Page { title: "Comparison of results", sections: vec![section], ..Page::default() };
     replace_file(path, render(&page)?.as_bytes()).map_err(|source| ReportError::Write { path: path.to_owned(), source })
 }
 
@@ -47,7 +47,7 @@ fn tables(compared: &SideBySide) -> Vec<Table> {
     [Some(sides(compared)), settings(compared), Some(parameters(compared))].into_iter().flatten().collect()
 }
 
-/// A, B, C ...; numbers behind Z.
+/// A, B, C ...; numbers after Z.
 fn label(side: usize) -> String {
     u8::try_from(side).ok().filter(|s| *s < 26).map_or_else(|| side.to_string(), |s| char::from(b'A' + s).to_string())
 }
@@ -66,7 +66,7 @@ fn sides(compared: &SideBySide) -> Table {
     Table {
         title: "Results".to_owned(),
         lead: 2,
-        head: strings(&["", "method", "verdict", "error %", "unseen %"]),
+        head: strings(&["", "method", "verdict", "error %", "validation %"]),
         rows: compared.sides.iter().enumerate().map(row).collect(),
         notes: files.map(|(k, side)| format!("{}: {} ({})", label(k), side.file.display(), side.title)).collect(),
         ..Table::default()
@@ -113,8 +113,8 @@ fn parameters(compared: &SideBySide) -> Table {
         head: strings(&["name", "unit", "estimate±sd"]).into_iter().chain(head).collect(),
         rows: compared.parameters.iter().map(row).collect(),
         notes: vec![format!(
-            "diff/sd: the estimate less that of A, in deviations of the difference as if the two came of independent records; *: \
-             more than {FAR}. sd: with correlated errors where it is known."
+            "diff/sd: the estimate minus that of A, in standard deviations of the difference as if the recordings were independent; *: \
+             more than {FAR}. sd: with correlated errors if known."
         )],
     }
 }
@@ -129,7 +129,7 @@ fn conclusion(compared: &SideBySide, side: usize) -> String {
     let differences: Vec<(f64, &str)> =
         compared.parameters.iter().filter_map(|p| Some((of(p)?, p.name.as_str()))).collect();
     if differences.is_empty() {
-        return format!("{} against A: no parameter that both have has deviations to compare by.", label(side));
+        return format!("{} against A: no common parameter has a standard deviation.", label(side));
     }
     let far = differences.iter().filter(|(d, _)| *d > FAR).count();
     let most = differences.iter().max_by(|a, b| a.0.total_cmp(&b.0));

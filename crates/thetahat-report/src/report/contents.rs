@@ -1,13 +1,13 @@
-//! What is in a recording, for the terminal.
+//! The content of a recording, for the terminal.
 
 use super::{
-    number::significant,
+    number::{rate, significant},
     table::Table,
     wrap::{TextWidth, wrap},
 };
 use crate::results::{ChannelSummary, ColumnSummary, Contents, TableSummary, TimeSummary};
 
-/// Most channels of a matrix that get a row each.
+/// Largest number of channels of a matrix with a row each.
 const MOST_ROWS: usize = 40;
 /// Longest list of gaps that is shown.
 const GAPS: usize = 5;
@@ -17,7 +17,11 @@ const GAPS: usize = 5;
 pub fn contents_text(contents: &Contents, width: TextWidth) -> String {
     let mut text = wrap(&format!("{}: {}", contents.file.display(), contents.format), "", width);
     if contents.dialect.is_some_and(|d| d.drop_cut_line) {
-        text += &wrap("the last line is cut and left out; to read the file, set drop_cut_line = true", "", width);
+        text += &wrap(
+            "the last line is incomplete and was left out; to read the file, set drop_cut_line = true",
+            "",
+            width,
+        );
     }
     for table in &contents.tables {
         text += "\n";
@@ -39,14 +43,14 @@ fn columns(table: &TableSummary) -> Table {
     Table {
         title,
         lead: 1,
-        head: ["column", "least", "most", "rms", "step", "note"].map(str::to_owned).to_vec(),
+        head: ["column", "min", "max", "rms", "step", "note"].map(str::to_owned).to_vec(),
         rows,
-        notes: vec!["step: the smallest one between different neighbours.".to_owned()],
+        notes: vec!["step: the smallest difference between successive values.".to_owned()],
         ..Table::default()
     }
 }
 
-/// One row for each channel; the channels of a matrix are named as a description names them.
+/// One row for each channel; the channels of a matrix have the names that a description uses.
 fn rows(column: &ColumnSummary) -> Vec<Vec<String>> {
     if let Some(kind) = &column.not_numeric {
         return vec![vec![
@@ -61,7 +65,7 @@ fn rows(column: &ColumnSummary) -> Vec<Vec<String>> {
     let number = |value: Option<f64>, digits| value.map_or_else(|| "-".to_owned(), |v| significant(v, digits));
     let row = |(i, s): (usize, &ChannelSummary)| {
         let name = if column.channels > 1 { format!("{}[{}]", column.name, i + 1) } else { column.name.clone() };
-        let missing = (s.not_finite > 0).then(|| format!("{} no numbers", s.not_finite));
+        let missing = (s.not_finite > 0).then(|| format!("{} not numbers", s.not_finite));
         let note = missing.or_else(|| s.constant.then(|| "constant".to_owned())).unwrap_or_default();
         vec![name, number(s.min, 5), number(s.max, 5), number(s.rms, 4), number(s.resolution, 3), note]
     };
@@ -84,10 +88,10 @@ fn times(time: &TimeSummary, width: TextWidth) -> String {
     let [rms, largest] = [time.jitter_rms, time.jitter_max].map(|j| significant(100.0 * j, 3));
     let mut text = wrap(
         &format!(
-            "time: {:?} in {}, {} Hz; steps deviate by {rms} % rms, {largest} % at most",
+            "time: {:?} in {}, {} Hz; steps deviate by {rms} % rms, at most {largest} %",
             time.column,
             time.unit.symbol(),
-            significant(time.rate_hz, 7),
+            rate(time.rate_hz),
         ),
         "",
         width,
@@ -97,7 +101,8 @@ fn times(time: &TimeSummary, width: TextWidth) -> String {
         text += &wrap(&format!("gaps: {}, at {} ...", time.gaps.len(), places.join(", ")), "", width);
     }
     if time.repeated + time.backwards > 0 {
-        text += &wrap(&format!("times repeated: {}; times that go back: {}", time.repeated, time.backwards), "", width);
+        text +=
+            &wrap(&format!("times repeated: {}; times that decrease: {}", time.repeated, time.backwards), "", width);
     }
     text
 }

@@ -1,4 +1,4 @@
-//! The report of a design: tables for the terminal, the trajectory as CSV and for ROS 2, the experiment for its record, and a
+//! The report of a design: tables for the terminal, the trajectory as CSV and for ROS 2, the experiment for its recording, and a
 //! page.
 
 use std::path::{Component, Path, PathBuf};
@@ -36,7 +36,7 @@ pub fn design_text(results: &DesignResults, width: TextWidth) -> String {
     format!("{}\n{}\n{lines}", wrap(&visible(&results.title), "", width), tables.join("\n"))
 }
 
-/// Writes [`DESIGN_FILES`], and [`MOVE_FILES`] where the motion is made of moves, into a folder, all of them or none. Returns their paths.
+/// Writes [`DESIGN_FILES`], and [`MOVE_FILES`] if the motion consists of moves, into a folder, all of them or none. Returns their paths.
 ///
 /// # Errors
 /// [`ReportError`] for what cannot be rendered or written.
@@ -60,7 +60,7 @@ fn page(results: &DesignResults) -> Result<String, ReportError> {
     let mut sections = vec![
         Section {
             id: "prediction",
-            title: "What the record will tell",
+            title: "Predicted intervals",
             lines: conclusions(results),
             forests: super::figures::predicted_forest(results).into_iter().collect(),
             folded: vec![predicted(results)],
@@ -82,7 +82,7 @@ fn page(results: &DesignResults) -> Result<String, ReportError> {
         },
         Section {
             id: "distances",
-            title: "How near shapes come",
+            title: "Distances between shapes",
             lines: results.collision.iter().flat_map(nearness).collect(),
             figures: results.collision.iter().map(distance).collect(),
             tables: results.collision.iter().map(distances).collect(),
@@ -95,7 +95,7 @@ fn page(results: &DesignResults) -> Result<String, ReportError> {
         title: &results.title,
         facts: facts(results),
         sections,
-        footer: "The a-priori values are those of the robot's description; intervals depend on them where the loop does.",
+        footer: "The a-priori values are those of the robot's description; predicted intervals of the closed loop depend on them.",
         ..Page::default()
     })
 }
@@ -120,7 +120,7 @@ fn predicted_csv(results: &DesignResults) -> Result<Vec<u8>, csv::Error> {
     writer.into_inner().map_err(|e| e.into_error().into())
 }
 
-/// A ROS 2 `trajectory_msgs/msg/JointTrajectory` as YAML, which JSON is a part of: names and points are JSON.
+/// A ROS 2 `trajectory_msgs/msg/JointTrajectory` as YAML; names and points are JSON, a subset of YAML.
 fn joint_trajectory(results: &DesignResults) -> String {
     let names: Vec<&str> = results.joints.iter().map(|j| j.name.as_str()).collect();
     let mut text = format!(
@@ -163,14 +163,14 @@ fn experiment(results: &DesignResults, directory: &Path, motion: &str) -> String
     let text = &results.experiment;
     let robot = relative(&text.robot, directory);
     format!(
-        "# thetahat design: the experiment for the record of trajectory.csv.\ntitle = {}\nrobot = {}\n\n{motion}\n{}",
+        "# thetahat design: the experiment for the recording of trajectory.csv.\ntitle = {}\nrobot = {}\n\n{motion}\n{}",
         toml::Value::from(text.title.clone()),
         toml::Value::from(robot.to_string_lossy().replace('\\', "/")),
         text.settings
     )
 }
 
-/// A file as it is named from a folder.
+/// The path of a file relative to a folder.
 fn relative(file: &Path, folder: &Path) -> PathBuf {
     let absolute = |path: &Path| std::path::absolute(path).map(|p| normal(&p)).unwrap_or_else(|_| path.to_owned());
     let (file, folder) = (absolute(file), absolute(folder));

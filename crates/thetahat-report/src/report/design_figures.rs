@@ -50,17 +50,17 @@ pub(super) fn motions(results: &DesignResults) -> Figure {
     }
 }
 
-/// The robot at one instant with the way of its last joint.
+/// The robot at one instant with the path of its last joint.
 pub(super) fn robot(results: &DesignResults) -> Option<Figure> {
     let nearest = results.collision.as_ref().and_then(|c| c.pairs.first()?.at_s);
     let caption = nearest.map_or_else(
-        || "the robot where it starts".to_owned(),
-        |at_s| format!("the robot at {at_s:.3} s, where its shapes are nearest to one another"),
+        || "the robot at its start".to_owned(),
+        |at_s| format!("the robot at {at_s:.3} s, where its shapes are closest"),
     );
     skeleton_of(results.skeleton.as_ref()?, &results.robot, &caption)
 }
 
-/// The frequencies of each joint's acceleration, and what ends where.
+/// The spectrum of each joint's acceleration, and the bandwidths of filters and loops.
 pub(super) fn spectrum(results: &DesignResults) -> Figure {
     let spectrum = &results.spectrum;
     let highest = spectrum.frequency_hz.last().copied().unwrap_or(1.0);
@@ -78,30 +78,30 @@ pub(super) fn spectrum(results: &DesignResults) -> Figure {
         })
     };
     Figure {
-        caption: "root of the density of each joint's acceleration, over the largest".to_owned(),
-        legend: vec![Key::new("measured", "acceleration"), Key::new("cutoff", "where filters and the controller end")],
+        caption: "root of the spectral density of each joint's acceleration, over its maximum".to_owned(),
+        legend: vec![Key::new("measured", "acceleration"), Key::new("cutoff", "bandwidths of filters and controller")],
         charts: results.joints.iter().enumerate().map(chart).collect(),
         ..Figure::default()
     }
 }
 
-/// The least distance of any two shapes over time.
+/// The smallest distance of any two shapes over time.
 pub(super) fn distance(collision: &CollisionResults) -> Figure {
     let curve = Curve::new("measured", collision.least.iter().map(|[t, d]| (*t, 1e3 * d)).collect());
-    let chart = Chart::new("least distance, mm".to_owned(), "time, s", WIDE).with(HEIGHT, |panel| {
+    let chart = Chart::new("smallest distance, mm".to_owned(), "time, s", WIDE).with(HEIGHT, |panel| {
         let values = curve.points.iter().map(|p| p.1).chain([0.0, 1e3 * collision.margin]);
         let panel = panel.around([&curve].into_iter(), 0.0).up(Range::of(values).padded(0.05));
         panel.line(&curve).level("cutoff", 1e3 * collision.margin)
     });
     Figure {
-        caption: "how near any two shapes come to one another along the motion".to_owned(),
-        legend: vec![Key::new("measured", "least distance"), Key::new("cutoff", "margin")],
+        caption: "smallest distance between any two shapes over the motion".to_owned(),
+        legend: vec![Key::new("measured", "smallest distance"), Key::new("cutoff", "margin")],
         charts: vec![chart],
         ..Figure::default()
     }
 }
 
-/// The criterion before and behind each search.
+/// The criterion before and after each search.
 pub(super) fn searches(results: &DesignResults) -> Figure {
     let points = |of: fn(&crate::results::SearchResult) -> f64| -> Vec<(f64, f64)> {
         results.starts.iter().enumerate().map(|(k, s)| (1.0 + k as f64, of(s))).collect()
@@ -110,7 +110,7 @@ pub(super) fn searches(results: &DesignResults) -> Figure {
     let chart = Chart::new("criterion, nats".to_owned(), "start, the best first", WIDE)
         .with(140.0, |panel| panel.around([&first, &found].into_iter(), 1.0).dots(&first).dots(&found));
     Figure {
-        caption: "the criterion of the random motions and of what the searches made of them".to_owned(),
+        caption: "the criterion before and after each search".to_owned(),
         legend: vec![Key::new("measured", "random motion"), Key::new("idim-ls", "found")],
         charts: vec![chart],
         ..Figure::default()

@@ -1,4 +1,4 @@
-//! What a design says, as facts, sentences and tables.
+//! A design as facts, sentences and tables.
 
 use super::{
     number::{NONE, estimate, significant},
@@ -38,7 +38,7 @@ fn motion(results: &DesignResults) -> String {
     format!("{} s at {} Hz{kind}, from rest to rest", significant(duration_s(results), 4), results.sample_rate_hz)
 }
 
-/// What the tables say, in sentences.
+/// The conclusions from the tables.
 pub(super) fn conclusions(results: &DesignResults) -> Vec<String> {
     let known = || results.predicted.iter().filter(|p| p.a_priori != 0.0);
     let count = |grade: Grade| known().filter(|p| p.grade() == grade).count();
@@ -46,16 +46,16 @@ pub(super) fn conclusions(results: &DesignResults) -> Vec<String> {
     let (all, known_ones) = (results.predicted.len(), known().count());
     let mut lines = vec![format!(
         "{all} parameters are predicted. Of the {known_ones} whose a-priori value is not zero, if that is right: {precise} precise, \
-         {rough} rough, {lost} not told from zero."
+         {rough} rough, {lost} not distinguishable from zero."
     )];
     let unknown: Vec<&str> = known().filter(|p| p.grade() == Grade::NotIdentified).map(|p| p.name.as_str()).collect();
     if !unknown.is_empty() {
-        lines.push(format!("Not told from zero: {}.", unknown.join(", ")));
+        lines.push(format!("Not distinguishable from zero: {}.", unknown.join(", ")));
         lines.extend(remedy(results));
     }
     lines.extend(results.limits.iter().max_by(|a, b| a.part.total_cmp(&b.part)).map(|worst| {
         format!(
-            "No limit is exceeded at 1 kHz; the nearest is the {} of {}, used by {:.1} % at {:.3} s.",
+            "No limit is exceeded at 1 kHz; the closest is the {} of {}, used to {:.1} % at {:.3} s.",
             worst.quantity.name(),
             visible(&worst.joint),
             100.0 * worst.part,
@@ -64,7 +64,7 @@ pub(super) fn conclusions(results: &DesignResults) -> Vec<String> {
     }));
     lines.extend(results.uncertainty.map(|(draws, percent)| {
         format!(
-            "Torque and power hold for the a-priori parameters and for {draws} robots whose parameters are {} % off; the criterion \
+            "Torque and power limits hold for the a-priori parameters and for {draws} random robots with parameters {} % off; the criterion \
              does not depend on them.",
             significant(percent, 3)
         )
@@ -77,48 +77,48 @@ pub(super) fn conclusions(results: &DesignResults) -> Vec<String> {
     lines
 }
 
-/// How long to record until what stays unknown is told from zero, by this motion and by one for such parameters alone.
+/// Recording time until the intervals exclude zero, with this motion and with one designed for such parameters alone.
 fn remedy(results: &DesignResults) -> Option<String> {
     let duration_s = duration_s(results);
     let one = |p: &PredictedParameter| {
-        let times = p.by_own_motion?;
+        let times = p.narrower_by_own_motion?;
         let seconds = duration_s * (p.half_width_95 / p.a_priori).powi(2);
         let [seconds, own] = [seconds, seconds / times.powi(2)].map(|s| significant(s, 2));
-        Some(format!("{} after {seconds} s of this motion, {own} s of that", p.name))
+        Some(format!("{} after {seconds} s of this motion or {own} s of its own", p.name))
     };
     let all: Vec<String> = results.predicted.iter().filter_map(one).collect();
     (!all.is_empty()).then(|| {
         format!(
-            "What would show them: a motion for them alone ([wanted] criterion = \"chosen\", parameters = their names), or a longer \
-             record. Told from zero, by the information of both motions: {}. A known payload adds its own torque and tells nothing \
-             of these.",
+            "Remedy: a motion designed for them alone ([wanted] criterion = \"chosen\", parameters = their names), or a longer \
+             recording. Distinguishable from zero, by the information of both motions: {}. A known payload does not help \
+             with these.",
             all.join("; ")
         )
     })
 }
 
-/// What a payload asks for, and what it tells of the drives.
+/// The requirements of a payload, and the predicted intervals of the drive gains.
 fn payload(payload: &PredictedPayload) -> String {
-    let told = |gain: &PredictedGain| {
+    let identifiable = |gain: &PredictedGain| {
         let percent = gain.half_width_percent?;
         Some(format!("{} to {} %", visible(&gain.joint), significant(percent, 2)))
     };
-    let all: Vec<String> = payload.gains.iter().filter_map(told).collect();
-    let untold = payload.gains.iter().filter(|gain| gain.half_width_percent.is_none());
-    let untold: Vec<String> = untold.map(|gain| visible(&gain.joint).into_owned()).collect();
+    let all: Vec<String> = payload.gains.iter().filter_map(identifiable).collect();
+    let not_identifiable = payload.gains.iter().filter(|gain| gain.half_width_percent.is_none());
+    let not_identifiable: Vec<String> = not_identifiable.map(|gain| visible(&gain.joint).into_owned()).collect();
     let listed = |list: &[String]| if list.is_empty() { "none".to_owned() } else { list.join(", ") };
     format!(
-        "Payload {} of {} kg: limits hold with it and without it. It is known, so that the record knows the robot's parameters as \
-         well as one of the same motion without it. One more record without it tells the gains of the drives (half of 95 %): {}. \
-         Not told: {}.",
+        "Payload {} of {} kg: limits hold with and without it. It is known, so the robot's parameters are identified as \
+         well as without it. A second recording without it identifies the drive gains (half width of the 95 % interval): {}. \
+         Not identifiable: {}.",
         visible(&payload.name),
         significant(payload.mass_kg, 4),
         listed(&all),
-        listed(&untold)
+        listed(&not_identifiable)
     )
 }
 
-/// What the intervals say beside those of earlier results.
+/// The intervals compared with those of earlier results.
 fn narrower(results: &DesignResults, title: &str, method: &str) -> String {
     let times: Vec<f64> = results.predicted.iter().filter_map(PredictedParameter::times_smaller).collect();
     let mean = (times.iter().map(|t| t.ln()).sum::<f64>() / times.len() as f64).exp();
@@ -126,24 +126,27 @@ fn narrower(results: &DesignResults, title: &str, method: &str) -> String {
     let wider: Vec<&str> = wider.map(|p| p.name.as_str()).collect();
     let also = if wider.is_empty() { "none is wider".to_owned() } else { format!("wider: {}", wider.join(", ")) };
     format!(
-        "Beside {method} of {}: of {} parameters the intervals are {} times as narrow in the geometric mean, {also}.",
+        "Compared with {method} of {}: for {} parameters the intervals are {} times narrower in the geometric mean; {also}.",
         visible(title),
         times.len(),
         significant(mean, 3)
     )
 }
 
-/// Whether the motion adds more than the last recording does once more.
+/// Whether the motion is better than repeating the last recording.
 fn repetition(repeated: f64, best: f64) -> String {
     let gain = repeated - best;
     if gain >= 0.0 {
-        format!("Repeating the last recording for as long would leave the criterion {gain:.2} nats higher.")
+        format!("Repeating the last recording for the same time would give a criterion {gain:.2} nats higher (worse).")
     } else {
-        format!("Repeat the last recording instead: for as long it makes the criterion {:.2} nats lower.", -gain)
+        format!(
+            "Repeat the last recording instead: for the same time its criterion is {:.2} nats lower (better).",
+            -gain
+        )
     }
 }
 
-/// Whether the motion is within what filters and the controller let through.
+/// Whether the motion is within the bandwidths of filters and controller.
 pub(super) fn frequencies(results: &DesignResults) -> Vec<String> {
     let spectrum = &results.spectrum;
     let end = spectrum.end_hz.iter().copied().fold(0.0, f64::max);
@@ -151,23 +154,23 @@ pub(super) fn frequencies(results: &DesignResults) -> Vec<String> {
     let bounds: Vec<String> = spectrum.bounds.iter().map(bound).collect();
     let passed: Vec<&str> = spectrum.bounds.iter().filter(|b| b.frequency_hz < end).map(|b| b.name).collect();
     let verdict = match passed[..] {
-        [] => "all of them let the motion through".to_owned(),
-        _ => format!("the motion reaches beyond: {}", passed.join(", ")),
+        [] => "all of them pass the motion".to_owned(),
+        _ => format!("the motion exceeds: {}", passed.join(", ")),
     };
     vec![format!(
-        "99 % of the variance of each joint's acceleration lies below {} Hz. Beside it: {}; {verdict}.",
+        "99 % of the variance of each joint's acceleration lies below {} Hz. Bandwidths: {}; {verdict}.",
         significant(end, 3),
         bounds.join(", ")
     )]
 }
 
-/// What the distances of shapes say.
+/// The smallest distance of shapes, and what is not covered.
 pub(super) fn nearness(collision: &CollisionResults) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(nearest) = collision.pairs.first() {
-        let at = nearest.at_s.map_or_else(|| "on the way from home".to_owned(), |at| format!("at {at:.3} s"));
+        let at = nearest.at_s.map_or_else(|| "on the path from home".to_owned(), |at| format!("at {at:.3} s"));
         lines.push(format!(
-            "No shapes come nearer to one another than {} mm at 1 kHz; the nearest are {} and {}, {} mm {at}.",
+            "All shapes stay at least {} mm apart at 1 kHz; the closest are {} and {}, {} mm {at}.",
             significant(1e3 * collision.margin, 4),
             visible(&nearest.first),
             visible(&nearest.second),
@@ -175,7 +178,7 @@ pub(super) fn nearness(collision: &CollisionResults) -> Vec<String> {
         ));
     }
     if !collision.has_way {
-        lines.push("The way to the first posture is not covered: give [collision] home.".to_owned());
+        lines.push("The path to the first posture is not covered: give [collision] home.".to_owned());
     }
     if !collision.uncovered.is_empty() {
         let names: Vec<_> = collision.uncovered.iter().map(|name| visible(name)).collect();
@@ -197,7 +200,7 @@ pub(super) fn distances(collision: &CollisionResults) -> Table {
         ]
     };
     Table {
-        title: "Least distances at 1 kHz".to_owned(),
+        title: "Smallest distances at 1 kHz".to_owned(),
         lead: 2,
         head: strings(&["link", "from", "mm", "at, s"]),
         rows: collision.pairs.iter().map(row).collect(),
@@ -210,7 +213,7 @@ fn strings(texts: &[&str]) -> Vec<String> {
 }
 
 pub(super) fn predicted(results: &DesignResults) -> Table {
-    let wanted = format!("s for {} %", significant(results.half_width_percent, 3));
+    let time_for = format!("s for {} %", significant(results.half_width_percent, 3));
     let row = |p: &PredictedParameter| {
         let percent = (p.a_priori != 0.0).then(|| 100.0 * p.half_width_95 / p.a_priori.abs());
         vec![
@@ -232,7 +235,7 @@ pub(super) fn predicted(results: &DesignResults) -> Table {
         )
         .collect()
     };
-    let mut head = strings(&["name", "unit", "a priori", "deviation", "half of 95 %", "in %", &wanted, "grade"]);
+    let mut head = strings(&["name", "unit", "a priori", "deviation", "half of 95 %", "in %", &time_for, "grade"]);
     head.extend(results.compared.iter().map(|_| "times as narrow".to_owned()));
     Table {
         title: "Predicted intervals".to_owned(),
@@ -240,7 +243,7 @@ pub(super) fn predicted(results: &DesignResults) -> Table {
         head,
         rows: results.predicted.iter().map(row).collect(),
         notes: vec![format!(
-            "half of 95 %: expected half width of interval_95 by {}; {wanted}: record so long, by repeating the motion. Intervals \
+            "half of 95 %: predicted half width of interval_95 by {}; {time_for}: recording time for it, by repeating the motion. Intervals \
              shrink with the root of the time.",
             results.method
         )],
@@ -258,7 +261,7 @@ pub(super) fn limits(results: &DesignResults) -> Table {
     Table {
         title: "Limits at 1 kHz, SI".to_owned(),
         lead: 2,
-        head: strings(&["joint", "quantity", "lower", "upper", "least", "most", "used, %", "at, s"]),
+        head: strings(&["joint", "quantity", "lower", "upper", "min", "max", "used, %", "at, s"]),
         rows: results.limits.iter().map(row).collect(),
         ..Table::default()
     }

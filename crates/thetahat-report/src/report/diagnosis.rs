@@ -1,4 +1,4 @@
-//! Advice and diagnosis: which numbers to take, and the tests behind it.
+//! Advice and diagnosis: the recommended method, and the tests for it.
 
 use super::{
     closed_loop, hidden_bias,
@@ -57,7 +57,7 @@ fn probability(p: f64) -> String {
     if p < 1e-4 { "< 1e-4".to_owned() } else { significant(p, 2) }
 }
 
-/// The bootstrap knows no probability below that of one of its draws and the record itself.
+/// The bootstrap has no probability below that of one draw plus the recording itself.
 fn bootstrap_probability(b: &BiasedSimulatorResult) -> String {
     let least = 1.0 / (b.draws + 1) as f64;
     if b.p_value > least { probability(b.p_value) } else { format!("<= {}", significant(least, 2)) }
@@ -78,10 +78,10 @@ pub(super) fn comparisons(results: &Results) -> Option<Table> {
         rows,
         notes: strings(&[
             "idim-ls: Durbin-Wu-Hausman test. didim: biased simulator test, same instruments and weights.",
-            "limit: what 5 % of the statistics of a right simulator exceed. mean, sd: average difference in standard deviations (sd) of \
+            "limit: 5 % of the statistics of a correct simulator exceed it. mean, sd: average difference in standard deviations (sd) of \
              idim-iv; most, sd: the parameter that differs most, with its difference. A mean below 0.5 is small, above it an alarm where \
-             p <= 0.05; undecided where the simulated motion explains the torques much better than the measured one, and \
-             unclear where it does so too badly to tell.",
+             p <= 0.05; undecided if the simulated motion explains the torques much better than the measured one; \
+             unclear if it explains them too badly for a conclusion.",
         ]),
         ..Table::default()
     })
@@ -132,7 +132,7 @@ pub(super) fn explanations(results: &Results) -> Option<Table> {
         head: strings(&["case", "error in", "simulator / true", "sd", "explained %"]),
         rows,
         notes: strings(&[
-            "delay: simulator less true, ms; -: it would take a factor below zero. An error that explains little is not the \
+            "delay: simulator minus true, ms; -: the factor would have to be below zero. An error that explains little is not the \
              cause.",
         ]),
         ..Table::default()
@@ -155,15 +155,15 @@ pub(super) fn residuals(results: &Results) -> Option<Table> {
     let row = |r: &RunResult| Some(residual_row(r, r.residual.as_ref()?));
     let rows: Vec<Vec<String>> = results.runs.iter().filter_map(row).collect();
     (!rows.is_empty()).then(|| Table {
-        title: "Residuals, unseen errors and influence".to_owned(),
+        title: "Residuals, validation errors and influence".to_owned(),
         lead: 2,
-        head: strings(&["case", "method", "r1", "white", "normal", "Levene p", "cv 95 %", "left out", "moves", "by, sd"]),
+        head: strings(&["case", "method", "r1", "white", "normal", "Levene p", "cv 95 %", "left out", "shifts", "by, sd"]),
         rows,
         notes: strings(&[
-            "r1: largest correlation of neighbouring rows of a joint; white, normal: joints that pass Ljung-Box and \
+            "r1: largest correlation of adjacent rows of a joint; white, normal: joints that pass Ljung-Box and \
              Jarque-Bera at 5 %; Levene: equal variances of the joints, as weighted; cv 95 %: interval of the \
-             cross-validation error, %; left out: the part of the record without which an estimate moves most, which one it is, \
-             and by how many of its standard deviations with correlated errors.",
+             cross-validation error, %; left out, shifts: the part of the recording whose removal shifts an estimate most, and that estimate, \
+             in its standard deviations with correlated errors.",
         ]),
         ..Table::default()
     })
@@ -191,14 +191,14 @@ fn residual_row(run: &RunResult, residual: &ResidualResult) -> Vec<String> {
     ]
 }
 
-/// Joint by joint.
+/// The residual of each joint.
 fn joint_residuals(results: &Results) -> Option<Table> {
     let of_run = |r: &RunResult| -> Vec<Vec<String>> {
         r.residual.iter().flat_map(|d| &d.joints).map(|j| joint_row(r, j)).collect()
     };
     let rows: Vec<Vec<String>> = results.runs.iter().flat_map(of_run).collect();
     (!rows.is_empty()).then(|| Table {
-        title: "Residuals, joint by joint".to_owned(),
+        title: "Residuals of each joint".to_owned(),
         lead: 3,
         head: strings(&["case", "method", "joint", "rms", "r1", "Ljung-Box", "p", "Jarque-Bera", "p"]),
         rows,
@@ -227,7 +227,7 @@ pub(super) fn notes(results: &Results) -> Vec<String> {
 
 fn instrument_note(case: &str, i: &InstrumentResult) -> String {
     format!(
-        "{case}: the weakest instrument is that of {} with a first-stage F of {} (weak below 10); Z^T X has rank {} and, \
+        "{case}: the weakest instrument belongs to {} with a first-stage F of {} (weak below 10); Z^T X has rank {} and, \
          in columns of length one, condition number {}.",
         i.weakest,
         significant(i.smallest_f, 3),
@@ -237,7 +237,7 @@ fn instrument_note(case: &str, i: &InstrumentResult) -> String {
 }
 
 fn joint_note(case: &str, b: &BiasedSimulatorResult) -> String {
-    let joints = b.joint_percent.iter().enumerate().map(|(j, p)| format!("{} {} %", j + 1, significant(*p, 2)));
+    let joints = b.joint_percent.iter().enumerate().map(|(j, p)| format!("joint {}: {} %", j + 1, significant(*p, 2)));
     let joints: Vec<String> = joints.collect();
-    format!("{case}: torques by which didim differs from idim-iv, by joint: {}.", joints.join(", "))
+    format!("{case}: share of the torque by which didim and idim-iv differ: {}.", joints.join(", "))
 }

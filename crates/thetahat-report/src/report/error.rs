@@ -11,7 +11,7 @@ pub enum ReportError {
     Directory {
         /// The folder.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// A file of the report cannot be written.
@@ -19,16 +19,16 @@ pub enum ReportError {
     Write {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// What a command prints does not go into JSON.
+    /// The output of a command cannot be written as JSON.
     #[error("the output as JSON: {source}")]
     PrintedJson {
         /// Why.
         source: serde_json::Error,
     },
-    /// The results do not go into JSON.
+    /// The results cannot be written as JSON.
     #[error(transparent)]
     Results(#[from] ResultsError),
     /// The page's content cannot be rendered.
@@ -37,7 +37,7 @@ pub enum ReportError {
         /// Why.
         source: serde_json::Error,
     },
-    /// The parameters do not go into CSV.
+    /// The parameters cannot be written as CSV.
     #[error("parameters.csv: {source}")]
     Csv {
         /// Why.
@@ -54,7 +54,7 @@ pub enum ReportError {
     PublishedUnreadable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// A line of the published figures is not of the expected form.
@@ -64,9 +64,9 @@ pub enum ReportError {
         path: PathBuf,
         /// The line, counted from 1.
         line: u64,
-        /// What is allowed.
+        /// The expected value.
         expected: String,
-        /// What stands there.
+        /// The value found.
         found: String,
     },
 }

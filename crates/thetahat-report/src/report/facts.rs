@@ -1,4 +1,4 @@
-//! What was recorded and done, as labels and texts for the terminal and the page.
+//! Recordings and processing as labels and texts for the terminal and the page.
 
 use super::{
     diagnosis,
@@ -7,12 +7,12 @@ use super::{
 };
 use crate::results::{JointKind, LockedJoint, NearRestResult, RecordingResult, ReferenceResult, Results};
 
-/// The head: the verdict, what to take, then what was recorded and how it was filtered.
+/// The head: the verdict, the advice, then the recordings and their filters.
 pub(super) fn head(results: &Results) -> Vec<(&'static str, String)> {
     verdict::lines(results).into_iter().chain(diagnosis::advice(results)).chain(facts(results)).collect()
 }
 
-/// What was recorded and how it was filtered, as labels and texts.
+/// The recordings and their filters, as labels and texts.
 pub(super) fn facts(results: &Results) -> Vec<(&'static str, String)> {
     let rows = format!("{} after decimation", results.decimated_rows);
     let mut facts = vec![("robot", results.robot.clone())];
@@ -28,7 +28,7 @@ pub(super) fn facts(results: &Results) -> Vec<(&'static str, String)> {
     facts
 }
 
-/// The joints that were locked, with their values; none where none were.
+/// The locked joints with their values, if any.
 pub(super) fn locked_joints(results: &Results) -> Option<String> {
     (!results.robot_locked.is_empty()).then(|| locked(&results.robot_locked))
 }
@@ -42,7 +42,7 @@ fn locked(joints: &[LockedJoint]) -> String {
     joints.iter().map(at).collect::<Vec<_>>().join(", ")
 }
 
-/// A line for each recording; its name is shown where there are several.
+/// A line for each recording; with its name if there are several.
 fn recordings(label: &'static str, recordings: &[RecordingResult]) -> Vec<(&'static str, String)> {
     let line = |r: &RecordingResult| {
         let ([start, end], rate) = (r.window_s.map(given), rate(r.sample_rate_hz));
@@ -54,14 +54,14 @@ fn recordings(label: &'static str, recordings: &[RecordingResult]) -> Vec<(&'sta
                 0 => String::new(),
                 gaps => format!(", {} samples missing in {gaps} gaps", j.missing),
             };
-            format!("; resampled, its steps deviate by {rms} % rms, {largest} % at most{gaps}")
+            format!("; resampled: its steps deviate by {rms} % rms, at most {largest} %{gaps}")
         });
-        let ends = r.torque_ends_hz.map_or_else(String::new, |hz| {
-            format!("; filtered before it was recorded: the torques end at {} Hz", significant(hz, 2))
+        let ends = r.torque_bandwidth_hz.map_or_else(String::new, |hz| {
+            format!("; the torques were filtered before recording, bandwidth {} Hz", significant(hz, 2))
         });
         let held = match r.torque_hold_s {
             0.0 => String::new(),
-            hold => format!("; torques hold for {} ms and are centred", significant(1e3 * hold, 3)),
+            hold => format!("; torques have a hold time of {} ms and were centred", significant(1e3 * hold, 3)),
         };
         let window = format!("{} at {rate} Hz, window {start} s to {end} s", r.samples_used);
         (label, format!("{name}{window}{weight}{}{ends}{held}", resampled.unwrap_or_default()))
@@ -78,7 +78,7 @@ fn references(results: &Results) -> impl Iterator<Item = String> {
     })
 }
 
-/// The samples near rest that make no rows, and what they would change; none where all make rows.
+/// The samples near rest that were left out, and how they would change the estimates; none if all were used.
 fn near_rest(results: &Results) -> Option<(&'static str, String)> {
     let masks: Vec<&NearRestResult> = results.recordings.iter().filter_map(|r| r.near_rest.as_ref()).collect();
     let percents = || masks.iter().flat_map(|mask| mask.left_out_percent.iter().copied().enumerate());
@@ -106,13 +106,13 @@ fn near_rest(results: &Results) -> Option<(&'static str, String)> {
 fn filters(results: &Results) -> [(&'static str, String); 2] {
     let bandwidth = &results.bandwidth;
     let position = format!(
-        "{} Hz asked; measured: positions {}, accelerations {} Hz",
+        "{} Hz requested; measured: positions {}, accelerations {} Hz",
         given(bandwidth.position_cutoff_hz),
         optional(bandwidth.position_measured_hz, 3),
         optional(bandwidth.acceleration_measured_hz, 3),
     );
     let decimation = format!(
-        "{} Hz asked; measured: {} Hz",
+        "{} Hz requested; measured: {} Hz",
         given(bandwidth.decimation_cutoff_hz),
         optional(bandwidth.decimation_measured_hz, 3),
     );
@@ -144,7 +144,7 @@ fn reference(results: &Results, reference: &ReferenceResult) -> String {
     format!("{}{moves}{parts}", reference.origin)
 }
 
-/// The weighting of each method; none where the results do not tell it.
+/// The weighting of each method; none if the results do not contain it.
 pub(super) fn weights(results: &Results) -> Option<String> {
     let mut weights: Vec<String> = Vec::new();
     for run in &results.runs {

@@ -1,4 +1,4 @@
-//! Writing of files, each whole or not there.
+//! Writes files atomically.
 
 use std::{
     fs,
@@ -18,7 +18,7 @@ pub(super) fn write_files(directory: &Path, files: Vec<(&'static str, Vec<u8>)>)
     written.map(|()| files.into_iter().map(|f| f.path).collect())
 }
 
-/// Writes one file into a folder that is there. Returns its path.
+/// Writes one file into an existing folder. Returns its path.
 pub(super) fn write_one(directory: &Path, name: &str, content: Vec<u8>) -> Result<PathBuf, ReportError> {
     let file = NewFile::new(directory, name, content);
     let written = write_together(std::slice::from_ref(&file));
@@ -57,7 +57,7 @@ impl NewFile {
         fs::rename(&self.temporary, &self.path).map_err(|source| self.error(source))
     }
 
-    /// Takes the temporary file away; where there is none, nothing is to be done.
+    /// Removes the temporary file, if there is one.
     fn discard(&self) {
         let _ = fs::remove_file(&self.temporary);
     }

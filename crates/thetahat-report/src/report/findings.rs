@@ -1,4 +1,4 @@
-//! What the checks found, for the terminal and the page.
+//! The findings of the checks, for the terminal and the page.
 
 use super::{
     number::significant,
@@ -6,13 +6,13 @@ use super::{
 };
 use crate::results::{Filter, FilterChoice, Finding, RecordingFindings, Results, RunResult, Severity};
 
-/// Lines of a note on the first screen, and their indent where they stand below its code.
+/// Lines of a note on the first screen, and their indent below its code.
 const LINES: usize = 2;
 const INDENT: &str = "           ";
 
 const SEVERITIES: [Severity; 3] = [Severity::Problem, Severity::Warning, Severity::Note];
 
-/// The findings of every recording: what was seen, and what to do.
+/// The findings of every recording, each with its remedy.
 #[must_use]
 pub fn findings_text(recordings: &[RecordingFindings], width: TextWidth) -> String {
     let mut text = format!("Checks: {}\n", count(recordings));
@@ -30,12 +30,12 @@ pub fn findings_text(recordings: &[RecordingFindings], width: TextWidth) -> Stri
     text
 }
 
-/// One line for each code of the recordings and of the estimates; empty where nothing was found.
+/// One line for each code of the recordings and of the estimates.
 pub(super) fn brief(results: &Results, width: TextWidth) -> String {
     let several = results.findings.len() > 1;
     let of_recordings = results.findings.iter().flat_map(|r| {
-        let place = if several { format!("{}: ", name(r)) } else { String::new() };
-        groups(&r.findings).into_iter().map(move |group| (group[0], format!("{place}{}", in_short(&group))))
+        let prefix = if several { format!("{}: ", name(r)) } else { String::new() };
+        groups(&r.findings).into_iter().map(move |group| (group[0], format!("{prefix}{}", in_short(&group))))
     });
     let mut lines: Vec<(Severity, String)> = Vec::new();
     for (finding, text) in of_recordings.chain(of_estimates(&results.runs)) {
@@ -43,10 +43,14 @@ pub(super) fn brief(results: &Results, width: TextWidth) -> String {
     }
     lines.sort_by_key(|(severity, _)| SEVERITIES.iter().position(|s| s == severity));
     let lines: String = lines.into_iter().map(|(_, line)| line).collect();
-    if lines.is_empty() { "Findings: none\n".to_owned() } else { format!("Findings (--full says what to do)\n{lines}") }
+    if lines.is_empty() {
+        "Findings: none\n".to_owned()
+    } else {
+        format!("Findings (--full shows the remedies)\n{lines}")
+    }
 }
 
-/// Severity and code, and the text beside them; below them where there is little room.
+/// Severity and code, with the text next to them, or below on a narrow terminal.
 fn in_lines(finding: &Finding, text: &str, width: TextWidth) -> String {
     let named = format!("  {:<8} {:<20} ", label(finding.severity), finding.code.to_string());
     let column = named.chars().count();
@@ -60,7 +64,7 @@ fn in_lines(finding: &Finding, text: &str, width: TextWidth) -> String {
     )
 }
 
-/// A text, of a note as much as stands in a few lines of so many characters.
+/// A text; of a note the first lines of at most this many characters.
 fn first_lines(severity: Severity, text: &str, columns: usize) -> String {
     let lines = wrap_to(text, columns);
     if severity != Severity::Note || lines.len() <= LINES {
@@ -82,13 +86,13 @@ fn in_short(group: &[&Finding]) -> String {
     }
 }
 
-/// A message without the joint that it begins with.
+/// A message without its leading joint.
 fn without_joint(message: &str) -> &str {
-    let named = message.split_once(": ").filter(|(place, _)| place.starts_with("joint "));
+    let named = message.split_once(": ").filter(|(start, _)| start.starts_with("joint "));
     named.map_or(message, |(_, text)| text)
 }
 
-/// The gravest finding of the runs for each code, with the methods that have one as grave.
+/// The most serious finding of the runs for each code, with the methods that have one of the same severity.
 fn of_estimates(runs: &[RunResult]) -> Vec<(&Finding, String)> {
     let mut all: Vec<(&Finding, Vec<&str>)> = Vec::new();
     for severity in SEVERITIES {
@@ -106,35 +110,35 @@ fn of_estimates(runs: &[RunResult]) -> Vec<(&Finding, String)> {
     all.into_iter().map(|(finding, methods)| (finding, format!("{}: {}", methods.join(" "), seen(finding)))).collect()
 }
 
-/// What the experiment's filter and others do to the estimates.
+/// The errors of the estimates with the experiment's filter and others.
 #[must_use]
 pub fn filter_text(choice: &FilterChoice, width: TextWidth) -> String {
     let mut text = String::from("\nFilter: ");
     let own = choice.own.and_then(|own| Some((own.filter, choice.over_best(own.error?)?)));
     text += &match own {
         Some((Filter { cutoff_hz, decimation }, over)) => format!(
-            "with cutoff_hz = {cutoff_hz} and decimation = {decimation} the estimates' error is {over:.2} times the least\n"
+            "with cutoff_hz = {cutoff_hz} and decimation = {decimation} the error of the estimates is {over:.2} times the smallest\n"
         ),
-        None => "the experiment's gives no estimate on a twin of the record\n".to_owned(),
+        None => "the filter of the experiment gives no estimate on a simulated twin of the recording\n".to_owned(),
     };
     let Filter { cutoff_hz, decimation } = choice.best;
     let best = format!(
-        "least with cutoff_hz = {cutoff_hz}, decimation = {decimation}, found on a twin of the record with its noise; errors \
-         over the least, by decimation and cutoff_hz:"
+        "smallest with cutoff_hz = {cutoff_hz}, decimation = {decimation}, on a simulated twin of the recording with its noise; errors \
+         relative to the smallest, by decimation and cutoff_hz:"
     );
     text += &wrap(&best, "  ", width);
     choice.lines().iter().for_each(|line| text += &format!("    {line}\n"));
     text
 }
 
-/// What was found in the estimates of the runs, for the terminal; empty where nothing was.
+/// The findings in the estimates of the runs, for the terminal.
 pub(super) fn of_runs_text(runs: &[RunResult], width: TextWidth) -> String {
     let line = |r: &RunResult, f: &Finding| {
         let seen = format!("{} [{}] {} {}: {}", label(f.severity), f.code, r.case, r.method, seen(f));
         wrap(&seen, "  ", width) + &wrap(&format!("-> {}", f.remedy), "     ", width)
     };
     let lines: String = runs.iter().flat_map(|r| of_run(r).map(move |f| line(r, f))).collect();
-    if lines.is_empty() { lines } else { format!("Found in the estimates:\n{lines}") }
+    if lines.is_empty() { lines } else { format!("Findings in the estimates:\n{lines}") }
 }
 
 /// The same for the page, a paragraph for each.
@@ -149,7 +153,7 @@ fn of_run(run: &RunResult) -> impl Iterator<Item = &Finding> {
     run.findings.iter().chain(run.physical.iter().flat_map(|p| &p.findings))
 }
 
-/// Findings that are one line: the same of several joints, with the same remedy.
+/// Findings that share a line: the same finding and remedy at several joints.
 fn groups(findings: &[Finding]) -> Vec<Vec<&Finding>> {
     let mut groups: Vec<Vec<&Finding>> = Vec::new();
     for finding in findings {
@@ -165,7 +169,7 @@ fn groups(findings: &[Finding]) -> Vec<Vec<&Finding>> {
     groups
 }
 
-/// The message; of several joints their numbers and values, and the message of the largest value.
+/// The message; for several joints their numbers and values, and the message of the largest value.
 fn seen_together(group: &[&Finding]) -> String {
     let by_size = |a: &&&Finding, b: &&&Finding| a.value.abs().total_cmp(&b.value.abs());
     let (Some(least), Some(most)) = (group.iter().min_by(by_size), group.iter().max_by(by_size)) else {
@@ -179,10 +183,10 @@ fn seen_together(group: &[&Finding]) -> String {
     let (joints, unit) = (joints.join(" "), &most.unit);
     let sizes =
         if least == largest { format!("{largest} {unit} each") } else { format!("{least} to {largest} {unit}") };
-    format!("joints {joints}: {sizes}; the most: {}", seen(most))
+    format!("joints {joints}: {sizes}; largest: {}", seen(most))
 }
 
-/// How many findings there are of each severity, in words: as many as there are lines.
+/// The number of lines of each severity, in words.
 pub(super) fn count(recordings: &[RecordingFindings]) -> String {
     let of = |severity| {
         let lines = recordings.iter().flat_map(|r| groups(&r.findings));
@@ -196,18 +200,18 @@ pub(super) fn count(recordings: &[RecordingFindings]) -> String {
     let parts: Vec<String> = SEVERITIES.into_iter().filter_map(part).collect();
     match (recordings, parts.is_empty()) {
         ([], _) => "none made".to_owned(),
-        (_, true) => "nothing found".to_owned(),
+        (_, true) => "no problems found".to_owned(),
         _ => parts.join(", "),
     }
 }
 
-/// A paragraph for each finding, for the page: what was seen, and what to do.
+/// A paragraph for each finding with its remedy, for the page.
 pub(super) fn lines(recordings: &[RecordingFindings]) -> Vec<String> {
     let several = recordings.len() > 1;
     let line = |r: &RecordingFindings, group: Vec<&Finding>| {
-        let (place, first) = (if several { format!("{}: ", name(r)) } else { String::new() }, group[0]);
+        let (prefix, first) = (if several { format!("{}: ", name(r)) } else { String::new() }, group[0]);
         let seen = seen_together(&group);
-        format!("{place}{} [{}] {seen}. \u{2192} {}.", label(first.severity), first.code, first.remedy)
+        format!("{prefix}{} [{}] {seen}. \u{2192} {}.", label(first.severity), first.code, first.remedy)
     };
     recordings.iter().flat_map(|r| groups(&r.findings).into_iter().map(move |group| line(r, group))).collect()
 }
@@ -227,7 +231,7 @@ fn name(recording: &RecordingFindings) -> String {
     format!("{what}{}{held_back}", recording.recording)
 }
 
-/// The message, with the joint in front where it is about one and does not begin with it.
+/// The message, preceded by the joint unless the message contains it.
 fn seen(finding: &Finding) -> String {
     match (finding.joint, &finding.joint_name) {
         (Some(joint), _) if finding.message.contains(&format!("oint {joint}")) => finding.message.clone(),
@@ -257,7 +261,7 @@ mod tests {
         }
     }
 
-    /// It was seven warnings of two lines each.
+    /// Not seven warnings of two lines each.
     #[test]
     fn the_same_finding_of_seven_joints_is_one_line() {
         let mut findings: Vec<Finding> = (1..=7).map(|j| of_joint(j, 10.0 * j as f64)).collect();
@@ -265,7 +269,7 @@ mod tests {
         let text = findings_text(&[recording(findings.clone())], TextWidth::default());
         let expected = "Checks: 1 warning\n  \
             warning [reference-mismatch] joints 1 2 3 4 5 6 7: 10 to 70 % of the motion;\n  \
-            the most: joint 7: the motion is 0.1 rad or m rms off its reference\n     \
+            largest: joint 7: the motion is 0.1 rad or m rms off its reference\n     \
             -> check the reference's column\n";
         assert_eq!(text, expected);
         findings[3].remedy = "another".to_owned();

@@ -2,7 +2,7 @@
 
 use crate::results::Grade;
 
-/// How many parameters have each grade; impossible ones are named where there are any.
+/// The number of parameters of each grade; impossible ones only if there are any.
 pub(super) fn counted(counts: impl IntoIterator<Item = (Grade, usize)>) -> String {
     let words = |(grade, count): (Grade, usize)| format!("{count} {}", grade.name());
     counts.into_iter().filter(|(grade, count)| is_counted(*grade, *count)).map(words).collect::<Vec<_>>().join(", ")
@@ -18,7 +18,7 @@ pub(super) fn class(grade: Grade) -> &'static str {
     match grade {
         Grade::Precise => "precise",
         Grade::Rough => "rough",
-        Grade::NotIdentified => "lost",
+        Grade::NotIdentified => "not-identified",
         Grade::Impossible => "impossible",
     }
 }
@@ -28,7 +28,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn impossible_parameters_are_counted_where_there_are_any() {
+    fn impossible_parameters_are_counted_if_there_are_any() {
         let counts = |impossible| Grade::ALL.into_iter().zip([3, 2, 1, impossible]);
         assert_eq!(counted(counts(0)), "3 precise, 2 rough, 1 not identified");
         assert_eq!(counted(counts(4)), "3 precise, 2 rough, 1 not identified, 4 impossible");

@@ -1,4 +1,4 @@
-//! How far errors that no interval holds may have moved the estimates.
+//! Possible bias of the estimates by errors that the intervals do not include.
 
 use super::{
     number::{signed, significant},
@@ -7,7 +7,7 @@ use super::{
 };
 use crate::results::{HiddenBias, HiddenError, Results, RunResult};
 
-/// For each run the delay of the torques, and the joint whose friction near rest moves a parameter furthest.
+/// For each run the delay of the torques, and the joint whose friction near rest shifts a parameter most.
 pub(super) fn table(results: &Results) -> Option<Table> {
     let of_run = |run: &RunResult| -> Vec<Vec<String>> {
         let furthest = |error: HiddenError| {
@@ -19,13 +19,13 @@ pub(super) fn table(results: &Results) -> Option<Table> {
     };
     let rows: Vec<Vec<String>> = results.runs.iter().flat_map(of_run).collect();
     (!rows.is_empty()).then(|| Table {
-        title: "Bias that no interval holds".to_owned(),
+        title: "Possible bias outside the intervals".to_owned(),
         lead: 3,
-        head: strings(&["method", "if", "unit", "from", "to", "moves", "by, sd"]),
+        head: strings(&["method", "error", "unit", "from", "to", "shifts", "by, sd"]),
         rows,
         notes: strings(&[
-            "rest friction: that at rest less Coulomb friction. from, to: 95 % interval of the error's size; without zero, the \
-             residual shows it. moves, by: the parameter that the farther end moves most, in its robust deviations.",
+            "rest friction: friction at rest minus Coulomb friction. from, to: 95 % interval of the error's size; if it excludes zero, the \
+             residual shows the error. shifts, by: the parameter with the largest shift at the end with the larger shift, in its robust standard deviations.",
         ]),
         ..Table::default()
     })
@@ -34,7 +34,7 @@ pub(super) fn table(results: &Results) -> Option<Table> {
 fn row(results: &Results, run: &RunResult, bias: &HiddenBias) -> Vec<String> {
     let joint = bias.joint.unwrap_or(1);
     let (what, unit, scale) = match bias.error {
-        HiddenError::LateTorque => ("torques are late".to_owned(), "ms", 1e3),
+        HiddenError::LateTorque => ("torque delay".to_owned(), "ms", 1e3),
         HiddenError::FrictionNearRest => {
             (format!("rest friction, joint {joint}"), units::torque(results, joint - 1), 1.0)
         }

@@ -1,4 +1,4 @@
-//! What commands print as JSON.
+//! JSON output of commands.
 
 use serde::Serialize;
 

@@ -1,11 +1,11 @@
 //! The report of an experiment: `results.json`, `parameters.csv`, `report.html`, and tables for the terminal.
 //!
 //! [`write_all`] writes the files, [`text`] holds the tables for the terminal. Both show the same [`Table`]s, and both
-//! put [`Published`] figures beside ours where there are any. Nothing is computed here but comparisons: what is shown comes
+//! compare with [`Published`] figures if there are any. Nothing is computed here but comparisons: all values come
 //! from [`results`](crate::results) alone.
 //!
 //! ```
-//! use thetahat::report::{TextWidth, Table};
+//! use thetahat_report::report::{Table, TextWidth};
 //!
 //! let table = Table {
 //!     title: "nominal: estimates".to_owned(),
@@ -79,6 +79,6 @@ pub use outputs::{file_names, render, write_all};
 pub use prediction::{prediction_text, write_prediction};
 pub use published::{Agreement, Published, PublishedValue};
 pub use sensitivity::{SENSITIVITY_FILES, sensitivity_text, write_sensitivity};
-pub use series::{record_csv, write_record};
+pub use series::{recording_csv, write_recording};
 pub use table::{Group, Table};
 pub use wrap::TextWidth;

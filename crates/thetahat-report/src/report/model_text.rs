@@ -28,7 +28,7 @@ pub fn model_text(summary: &RobotSummary, width: TextWidth) -> String {
     parts.join("\n")
 }
 
-/// What the description says that no robot has, and what to do.
+/// Physically impossible values in the description, with remedies.
 fn doubts(summary: &RobotSummary, width: TextWidth) -> Option<String> {
     let doubt = |d: &Doubt| {
         wrap(&format!("{}: {}", d.place, d.what), "  ", width) + &wrap(&format!("-> {}", d.remedy), "     ", width)
@@ -71,10 +71,10 @@ fn locked(summary: &RobotSummary) -> String {
     summary.locked.iter().map(at).collect::<Vec<_>>().join(", ")
 }
 
-/// A column of the structure: what it says of a joint, if anything.
+/// A column of the structure: the text for a joint, if any.
 type Cell = fn(&JointSummary) -> Option<String>;
 
-/// One row for each joint; names are indented where their branch of the tree begins.
+/// One row for each joint; names are indented at each branch of the tree.
 fn structure(summary: &RobotSummary) -> Table {
     let joints = &summary.joints;
     let columns: [(&str, Cell); 4] =
@@ -99,7 +99,7 @@ fn structure(summary: &RobotSummary) -> Table {
     }
 }
 
-/// On how many branches of the tree a joint stands.
+/// The number of branches from the base to a joint.
 fn branches_before(joints: &[JointSummary], joint: &JointSummary) -> usize {
     let siblings = |parent: Option<usize>| joints.iter().filter(|j| j.parent == parent).count();
     let mut at = Some(joint);
@@ -162,7 +162,7 @@ fn follows(joint: &JointSummary) -> Option<String> {
     Some(format!("{} q{}{offset}", given(mimic.ratio), mimic.joint))
 }
 
-/// The ratios, or the matrix where motors are coupled, and the offsets; nothing where motors and joints are the same.
+/// The ratios, or the matrix for coupled motors, and the offsets; none if motors and joints are identical.
 fn transmission(summary: &RobotSummary, width: TextWidth) -> Option<String> {
     let transmission = &summary.transmission;
     let notes = transmission_notes(summary);
@@ -211,7 +211,7 @@ fn transmission_notes(summary: &RobotSummary) -> Vec<String> {
     notes
 }
 
-/// One row for each link; columns that the description leaves at zero are not shown.
+/// One row for each link; columns that are zero in the description are not shown.
 fn standard_parameters(summary: &RobotSummary) -> Table {
     let all = &summary.standard_parameters;
     let mut quantities: Vec<Quantity> = Vec::new();
@@ -244,7 +244,7 @@ fn standard_parameters(summary: &RobotSummary) -> Table {
     }
 }
 
-/// One row for each parameter of a torque term; none where the description has no terms.
+/// One row for each parameter of a torque term; none without terms.
 fn terms(summary: &RobotSummary) -> Option<Table> {
     let all = summary.standard_parameters.iter().filter(|p| p.parameter.quantity.is_term());
     let row = |p: &StandardParameterSummary| {
@@ -288,7 +288,7 @@ fn counts(summary: &RobotSummary) -> Table {
     }
 }
 
-/// Name, a-priori value and unit, and the formula where something is regrouped.
+/// Name, a-priori value and unit, and the formula of regrouped parameters.
 fn base_parameters(summary: &RobotSummary, width: TextWidth) -> String {
     if let Some(problem) = &summary.problem {
         return wrap(&format!("No base parameters: {problem}"), "", width);
@@ -308,15 +308,15 @@ fn base_parameters(summary: &RobotSummary, width: TextWidth) -> String {
     title + &all.iter().map(line).collect::<String>() + &without_effect(summary, width)
 }
 
-/// A formula in lines; a sign stays with the term behind it.
+/// A formula in lines; a sign stays with the term that follows.
 fn formula(expression: &str, indent: &str, width: TextWidth) -> String {
     let joined = expression.replace(" + ", " +~").replace(" - ", " -~");
     wrap(&joined, indent, width).replace('~', " ")
 }
 
 fn without_effect(summary: &RobotSummary, width: TextWidth) -> String {
-    let idle = summary.standard_parameters.iter().filter(|p| p.has_effect == Some(false));
-    let names: Vec<&str> = idle.map(|p| p.name.as_str()).collect();
+    let without = summary.standard_parameters.iter().filter(|p| p.has_effect == Some(false));
+    let names: Vec<&str> = without.map(|p| p.name.as_str()).collect();
     if names.is_empty() {
         String::new()
     } else {

@@ -9,21 +9,21 @@ use thetahat_ground::visible::visible;
 /// Names of the files of moves, one for each language.
 pub const MOVE_FILES: [&str; 5] = ["moves.json", "moves.src", "moves.mod", "moves.script", "moves.val3"];
 
-/// Axes of the arm itself in KRL and RAPID; those behind them are external ones.
+/// Axes of the arm itself in KRL and RAPID; the following axes are external.
 const ARM_AXES: usize = 6;
 /// External axes of RAPID.
 const EXTERNAL_AXES: usize = 6;
 /// Percent of the speed with which the first posture is approached.
 const APPROACH_PERCENT: u32 = 10;
 
-/// One move as a robot's controller takes it.
+/// One move in the terms of a robot's controller.
 struct Target<'a> {
     end: &'a [f64],
     /// T1 + T2 + T3, s.
     seconds: f64,
-    /// Largest velocity and acceleration of a joint: that of the leading axis, SI.
+    /// Velocity and acceleration of the joint that moves farthest, SI.
     leading: [f64; 2],
-    /// Whole percent of the limits of velocity and acceleration of the joint that comes nearest to its own.
+    /// Whole percent of the limits of velocity and acceleration, of the joint closest to its limit.
     percent: [u32; 2],
 }
 
@@ -70,7 +70,7 @@ struct Program<'a> {
 }
 
 impl Program<'_> {
-    /// What stands above each program, behind the sign of a comment.
+    /// The comment at the head of each program.
     fn head(&self, comment: &str) -> String {
         let names: Vec<String> = self.results.joints.iter().map(|j| visible(&j.name).into_owned()).collect();
         let lines = [

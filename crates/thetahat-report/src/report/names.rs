@@ -1,4 +1,4 @@
-//! What the names of parameters mean, for a reader who has not met them.
+//! The meaning of the names of parameters.
 
 use std::collections::BTreeSet;
 
@@ -13,10 +13,10 @@ const KINDS: [(&[&str], &str); 10] = [
     (&["fc", "fcp", "fcn"], "Coulomb friction (p, n: for positive, negative velocity)"),
     (&["off"], "offset of the torque"),
     (&["iam"], "inertia of a motor that moves more than one joint"),
-    (&["fvm", "fcm"], "viscous and Coulomb friction of such a motor"),
+    (&["fvm", "fcm"], "viscous and Coulomb friction of the motor"),
 ];
 
-/// The symbols that occur in names, as `zz` in `zz1r`, with their meanings; empty where none is known.
+/// The symbols that occur in names, as `zz` in `zz1r`, with their meanings.
 pub(super) fn key<'a>(names: impl Iterator<Item = &'a str>) -> Vec<(String, &'static str)> {
     let used: BTreeSet<&str> = names.map(symbol).collect();
     let of_kind = |(symbols, meaning): (&[&str], &'static str)| {
@@ -26,7 +26,7 @@ pub(super) fn key<'a>(names: impl Iterator<Item = &'a str>) -> Vec<(String, &'st
     KINDS.into_iter().filter_map(of_kind).collect()
 }
 
-/// What is before the number of a name.
+/// The part of a name before its number.
 fn symbol(name: &str) -> &str {
     name.trim_end_matches('r').trim_end_matches(|c: char| c.is_ascii_digit())
 }

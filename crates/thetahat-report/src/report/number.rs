@@ -2,13 +2,13 @@
 
 pub(super) use thetahat_ground::number::{NONE, fixed, magnitude, significant};
 
-/// A number that was given: as it was, where that is short.
+/// A given number, unchanged if it is short.
 pub(super) fn given(value: f64) -> String {
     let text = value.to_string();
     if text.len() <= 8 { text } else { significant(value, 4) }
 }
 
-/// A sample rate, Hz: as it is where that is short, as a clock's stamps give it with six digits.
+/// A sample rate, Hz: unchanged if it is short, otherwise with six digits.
 pub(super) fn rate(hz: f64) -> String {
     let text = hz.to_string();
     if text.len() <= 8 {
@@ -22,7 +22,7 @@ pub(super) fn rate(hz: f64) -> String {
     }
 }
 
-/// A number with so many significant digits, or a dash.
+/// A number with this many significant digits, or a dash.
 pub(super) fn optional(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| NONE.to_owned(), |v| significant(v, digits))
 }
@@ -63,7 +63,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_rate_of_stamps_has_six_digits() {
+    fn a_rate_from_time_stamps_has_six_digits() {
         assert_eq!(
             [125.000_000_004_5, 99.999_949, 499.999_055, 1000.0, 5e3].map(rate),
             ["125", "99.9999", "499.999", "1000", "5000"]

@@ -39,15 +39,17 @@ fn payload(payload: &PayloadResult) -> Table {
     notes.extend(payload.centre_m.map(|c| format!("Centre of mass: {} m.", c.map(|v| significant(v, 3)).join(", "))));
     notes.extend(match payload.is_physical {
         Some(true) => None,
-        Some(false) => {
-            Some("No body has these parameters; that in the last column is the nearest one that has.".to_owned())
-        }
-        None => Some("What the motion does not identify has no number: turn the payload about more axes.".to_owned()),
+        Some(false) => Some(
+            "These parameters are physically impossible; the last column has the closest consistent ones.".to_owned(),
+        ),
+        None => Some(
+            "Parameters that the motion does not identify have no number: turn the payload about more axes.".to_owned(),
+        ),
     });
     Table {
         title: format!("Payload {}", payload.name),
         lead: 2,
-        head: strings(&["parameter", "unit", "estimate", "sd", "95 % from", "to", "nearest body"]),
+        head: strings(&["parameter", "unit", "estimate", "sd", "95 % from", "to", "closest body"]),
         rows: rows.collect(),
         notes,
         ..Table::default()
@@ -62,8 +64,8 @@ fn gains(gains: &[DriveGainResult]) -> Option<Table> {
     };
     let reason = |g: &DriveGainResult| g.reason.as_ref().map(|reason| format!("{}: {reason}.", g.joint));
     let mut notes = strings(&[
-        "Factor: true torque over the recorded one, by the known payload; multiply the torque's gain by it. Load: torque \
-         that the payload needs, N m or N rms.",
+        "Factor: true torque over recorded torque, by the known payload; multiply the torque's gain by it. Load: torque \
+         of the payload, N m or N rms.",
     ]);
     notes.extend(gains.iter().filter_map(reason));
     let wrong: Vec<&str> = gains.iter().filter(|g| g.contradicts()).map(|g| g.joint.as_str()).collect();

@@ -1,4 +1,4 @@
-//! Whether a robot made of bodies has the estimates, and those that one has.
+//! Physical consistency of the estimates, and consistent estimates.
 
 use super::{
     findings,
@@ -27,18 +27,22 @@ pub(super) fn section(results: &Results) -> Section {
     }
 }
 
-fn asked(results: &Results) -> bool {
+fn is_requested(results: &Results) -> bool {
     results.runs.iter().any(|r| r.physical.as_ref().is_some_and(|p| p.estimate.is_some() || p.reason.is_some()))
 }
 
-/// What the data say of consistency in short; empty where it was not asked for.
+/// The conclusions on consistency; empty if consistent estimates were not requested.
 pub(super) fn brief(results: &Results, width: TextWidth) -> String {
-    if asked(results) { lines(results).iter().map(|line| wrap(line, "", width)).collect() } else { String::new() }
+    if is_requested(results) {
+        lines(results).iter().map(|line| wrap(line, "", width)).collect()
+    } else {
+        String::new()
+    }
 }
 
-/// The consistent estimates for the terminal; empty where none were asked for.
+/// The consistent estimates for the terminal; empty if they were not requested.
 pub(super) fn text(results: &Results, width: TextWidth) -> String {
-    if !asked(results) {
+    if !is_requested(results) {
         return String::new();
     }
     let tables = [examined(results), consistent(results)].into_iter().flatten().map(|t| t.to_text(width));
@@ -62,28 +66,28 @@ fn examined(results: &Results) -> Option<Table> {
             if physical.consistent { "yes" } else { "no" }.to_owned(),
             significant(physical.smallest_eigenvalue, 3),
             optional(physical.deviations, 2),
-            outside(physical),
+            inconsistent(physical),
         ])
     };
     let rows: Vec<Vec<String>> = results.runs.iter().filter_map(row).collect();
     (!rows.is_empty()).then(|| Table {
-        title: "Whether a robot made of bodies has the estimates".to_owned(),
+        title: "Physical consistency of the estimates".to_owned(),
         lead: 2,
-        head: strings(&["case", "method", "physical", "eigenvalue", "sd", "outside: what it lacks"]),
+        head: strings(&["case", "method", "physical", "eigenvalue", "sd", "inconsistent: violation"]),
         rows,
         notes: strings(&[
-            "eigenvalue: the smallest of the pseudo-inertia matrices of all links, for the standard parameters with these base \
-             parameters that lack least. sd: standard deviations, with correlated errors, outside. Links lack kg m^2.",
+            "eigenvalue: the smallest of the pseudo-inertia matrices of all links, at the standard parameters with these base \
+             parameters and the smallest violation. sd: distance from the consistent set in standard deviations, with correlated errors. Violations of links are in kg m^2.",
         ]),
         ..Table::default()
     })
 }
 
-fn outside(physical: &PhysicalResult) -> String {
-    let all = physical.outside.iter().zip(&physical.lacking);
+fn inconsistent(physical: &PhysicalResult) -> String {
+    let all = physical.inconsistent.iter().zip(&physical.violations);
     let mut cells: Vec<String> =
-        all.take(LISTED).map(|(name, lacking)| format!("{name}: {}", significant(*lacking, 2))).collect();
-    match physical.outside.len().saturating_sub(LISTED) {
+        all.take(LISTED).map(|(name, violation)| format!("{name}: {}", significant(*violation, 2))).collect();
+    match physical.inconsistent.len().saturating_sub(LISTED) {
         0 => {}
         more => cells.push(format!("{more} more")),
     }
@@ -118,21 +122,21 @@ fn consistent(results: &Results) -> Option<Table> {
         head: strings(&["case", "method", "free", "cons.", "free", "cons.", "F", "k", "p", "eigenvalue", "ms"]),
         rows,
         notes: strings(&[
-            "F: distance from the free estimate in the metric of the method over the k parameters that the conditions take \
-             and the variance of the error, correlated in time; p: probability of as large an F where a consistent \
-             robot made the record.",
+            "F: squared distance from the unconstrained estimate in the metric of the method, over the k parameters that the conditions fix \
+             and the variance of the error, correlated in time; p: probability of an F at least as large if a consistent \
+             robot made the recording.",
         ]),
     })
 }
 
-/// What was assumed, and what the test says of each estimate.
+/// The assumptions, and the result of the test for each estimate.
 fn lines(results: &Results) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some((_, e)) = with_estimate(results).next() {
         let weight = significant(e.prior_weight, 2);
-        let known = if e.known.is_empty() { String::new() } else { format!(" Given: {}.", e.known.join("; ")) };
+        let known = if e.known.is_empty() { String::new() } else { format!(" Known: {}.", e.known.join("; ")) };
         lines.push(format!(
-            "Consistent estimates are drawn to the a-priori parameters by a {} distance of weight {weight}, in variances of the \
+            "Consistent estimates are regularized towards the a-priori parameters by a {} distance with weight {weight}, in variances of the \
              error.{known}",
             e.prior
         ));
@@ -155,17 +159,17 @@ fn verdict(run: &RunResult, e: &ConsistentEstimate) -> String {
         names => format!(" At the boundary: {}.", names.join(", ")),
     };
     let rejected = run.physical.as_ref().and_then(PhysicalResult::rejects);
-    let said = match (e.converged, rejected) {
-        (false, _) => "the solver did not reach its accuracy; take the numbers with care".to_owned(),
+    let conclusion = match (e.converged, rejected) {
+        (false, _) => "the solver did not reach its accuracy; use the numbers with caution".to_owned(),
         (true, Some(true)) => format!(
             "the data reject consistency ({cost}): more than noise explains. Look at what the model leaves out (elasticity, \
              friction that depends on load), at signs, gains and units of the torques, and at the geometry"
         ),
         (true, Some(false) | None) => {
-            format!("the data do not reject consistency ({cost}): take the consistent estimate")
+            format!("the data do not reject consistency ({cost}): use the consistent estimate")
         }
     };
-    format!("{case} {method}: {said}.{boundary}")
+    format!("{case} {method}: {conclusion}.{boundary}")
 }
 
 /// Free and consistent base parameters of a case, the methods side by side.
@@ -174,21 +178,21 @@ fn base_parameters(results: &Results, case: &str) -> Option<Table> {
         let Some(p) = e.parameters.get(k) else { return vec![NONE.to_owned(); 4] };
         // As many digits as the interval, or the change where that is larger.
         let width = p.interval_95.map_or(0.0, |[low, high]| 0.5 * (high - low));
-        let change = p.beside.map_or(0.0, |free| 0.1 * (free - p.estimate).abs());
+        let change = p.reference_value.map_or(0.0, |free| 0.1 * (free - p.estimate).abs());
         let digits = Some(width.max(change)).filter(|d| *d > 0.0);
         let number = |v: Option<f64>| v.map_or_else(|| NONE.to_owned(), |v| estimate(v, digits));
         let [low, high] = [0, 1].map(|end: usize| p.interval_95.map(|ends| ends[end]));
-        [p.beside, Some(p.estimate), low, high].map(number).to_vec()
+        [p.reference_value, Some(p.estimate), low, high].map(number).to_vec()
     };
     let title = format!("{case}: free and consistent base parameters, with 95 % intervals");
     table_of(results, case, title, |e| &e.parameters, cells, &["free", "consistent", "low", "high"])
 }
 
-/// All standard parameters of a case beside their a-priori values.
+/// All standard parameters of a case with their a-priori values.
 fn standard_parameters(results: &Results, case: &str) -> Option<Table> {
     let cells = |e: &ConsistentEstimate, k: usize| -> Vec<String> {
         let Some(p) = e.standard.get(k) else { return vec![NONE.to_owned(); 2] };
-        vec![optional(p.beside, 4), significant(p.estimate, 4)]
+        vec![optional(p.reference_value, 4), significant(p.estimate, 4)]
     };
     let title = format!("{case}: standard parameters of the consistent estimates");
     table_of(results, case, title, |e| &e.standard, cells, &["a priori", "consistent"])

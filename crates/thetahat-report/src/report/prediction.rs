@@ -6,7 +6,7 @@ use super::{error::ReportError, series::write_series, verdict, wrap::TextWidth};
 use crate::results::Prediction;
 use thetahat_ground::visible::visible;
 
-/// Rms of each joint's prediction and, where torques were measured, its relative error; and the verdict on its parameters.
+/// Rms of each joint's prediction, its relative error if torques were measured, and the verdict on its parameters.
 #[must_use]
 pub fn prediction_text(prediction: &Prediction, width: TextWidth) -> String {
     let [start, end] = prediction.window_s;
@@ -24,14 +24,14 @@ pub fn prediction_text(prediction: &Prediction, width: TextWidth) -> String {
         text += &format!("{joint:<24}{rms:>16.4}{error:>20}\n");
     }
     text += &format!("{:<24}{:>16}{:>20}\n", "all", "", percent(prediction.relative_error_percent));
-    text + "\n" + &verdict::carried(prediction.verdict, &prediction.verdict_reasons, width)
+    text + "\n" + &verdict::inherited(prediction.verdict, &prediction.verdict_reasons, width)
 }
 
 fn percent(value: Option<f64>) -> String {
     value.map_or_else(|| "not measured".to_owned(), |v| format!("{v:.4}"))
 }
 
-/// Writes time, predicted and, where there are any, measured joint torques, sample by sample; whole or not at all.
+/// Writes time, predicted and, if available, measured joint torques, sample by sample; atomically.
 ///
 /// # Errors
 /// [`ReportError`] where the file cannot be written.

@@ -1,4 +1,4 @@
-//! Published figures to show beside ours.
+//! Published figures to compare with ours.
 
 use std::path::{Path, PathBuf};
 
@@ -38,22 +38,22 @@ pub struct PublishedValue {
     pub method: Method,
     /// The parameter, or the name of a figure of the run.
     pub parameter: String,
-    /// The figure as printed: its digits say how exact it is.
+    /// The figure as printed: its digits define its precision.
     pub text: String,
     /// The figure.
     pub estimate: f64,
-    /// Relative standard deviation in percent as printed; empty where none is.
+    /// Relative standard deviation in percent as printed; may be empty.
     pub deviation_text: String,
-    /// Relative standard deviation, where one is printed.
+    /// Relative standard deviation, if printed.
     pub relative_standard_deviation_percent: Option<f64>,
 }
 
 /// How many of a run's estimates agree with the published ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Agreement {
-    /// Those within three printed standard deviations, or one unit of the last printed digit where that is more.
+    /// Estimates within three printed standard deviations, or one unit of the last printed digit if that is more.
     pub within: usize,
-    /// Parameters that have both figures.
+    /// Parameters with both figures.
     pub compared: usize,
 }
 

@@ -10,7 +10,7 @@ use super::{
 pub(super) struct Section {
     pub(super) id: &'static str,
     pub(super) title: &'static str,
-    /// Whether it opens on demand, and what its head says of what is in it.
+    /// Whether it is folded, and the hint in its heading.
     pub(super) is_folded: bool,
     pub(super) hint: String,
     pub(super) lines: Vec<String>,

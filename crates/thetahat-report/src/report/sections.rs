@@ -1,4 +1,4 @@
-//! The sections of the page: the torques and the estimates, then everything else on demand.
+//! The sections of the page: the torques and the estimates, then details on demand.
 
 use super::{
     card, diagnosis,
@@ -17,7 +17,7 @@ use crate::results::{FTest, Results, RunResult, Status, Verdict};
 /// Probability below which an F-test rejects.
 const SIGNIFICANCE: f64 = 0.05;
 
-/// Every section that has something to show.
+/// Every section that is not empty.
 pub(super) fn all(results: &Results, published: Option<&Published>) -> Vec<Section> {
     let mut sections = vec![
         torques(results),
@@ -39,18 +39,18 @@ pub(super) fn all(results: &Results, published: Option<&Published>) -> Vec<Secti
     sections
 }
 
-/// What is known of the estimates that are taken.
+/// Whether the recommended estimates are physically consistent.
 fn physical_hint(results: &Results) -> &'static str {
     results.card().physical.map_or("", card::physically)
 }
 
-/// The case whose figures are shown at once, and the others.
+/// The case whose figures are shown, and the others.
 fn cases(results: &Results) -> (Option<&str>, Vec<&str>) {
     let mut cases = results.cases().into_iter();
     (cases.next(), cases.collect())
 }
 
-/// What stands before numbers that are not to be used.
+/// The warning before numbers that must not be used.
 fn warning(results: &Results) -> Vec<String> {
     match results.verdict {
         Some(Verdict::DoNotUse) => {
@@ -117,7 +117,7 @@ fn residuals(results: &Results) -> Section {
     let (first, _) = cases(results);
     Section {
         id: "residuals",
-        title: "What the residual depends on",
+        title: "Residual over other quantities",
         figures: first.map(|case| figures::misfit(results, case)).unwrap_or_default(),
         ..Section::default()
     }
@@ -129,19 +129,19 @@ fn correlations(results: &Results) -> Section {
     let run = results.recommended_run();
     let hint = match run.map(|r| figures::confounded(r).len()) {
         None => "",
-        Some(0) => "no two are confounded",
-        Some(_) => "some are confounded",
+        Some(0) => "no confounded pairs",
+        Some(_) => "confounded pairs",
     };
     Section {
         id: "correlations",
-        title: "Parameters that the motion does not tell apart",
+        title: "Parameters that the motion cannot separate",
         figures: first.and_then(|case| figures::correlation(results, case)).into_iter().collect(),
         ..Section::default()
     }
     .folded(hint)
 }
 
-/// The advice is to take a method: it is not given where no number is to be used.
+/// The advice recommends a method: it is not shown if no number can be used.
 fn diagnosis(results: &Results) -> Section {
     let advice: Vec<String> = match results.verdict {
         Some(Verdict::DoNotUse) => Vec::new(),
@@ -149,7 +149,7 @@ fn diagnosis(results: &Results) -> Section {
     };
     let section = diagnosis::section(results);
     let lines = advice.into_iter().chain(section.lines).collect();
-    Section { lines, ..section }.folded("which method to take, and why")
+    Section { lines, ..section }.folded("which method to use, and why")
 }
 
 fn comparison(results: &Results, published: &Published) -> Section {
@@ -191,14 +191,14 @@ fn method(results: &Results) -> Section {
     let files = [("Experiment", &results.experiment_description), ("Robot", &results.robot_description)];
     Section {
         id: "method",
-        title: "What was done",
+        title: "Data and method",
         facts: facts(results).into_iter().chain(weights(results).map(|w| ("weights", w))).collect(),
         files: files.map(|(title, text)| (title, text.clone())).into(),
         ..Section::default()
     }
-    .folded("record, filters, weights, files")
+    .folded("recordings, filters, weights, files")
 }
-/// What the elimination did and what the F-tests say, whether they reject or not.
+/// The elimination, and the F-tests whether they reject or not.
 pub(super) fn tests(results: &Results) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(elimination) = &results.elimination {

@@ -34,8 +34,8 @@ pub fn sensitivity_text(sensitivity: &Sensitivity, width: TextWidth) -> String {
 /// The files of a sweep.
 pub const SENSITIVITY_FILES: [&str; 2] = ["sensitivity.csv", "sensitivity.html"];
 
-/// Writes `sensitivity.csv`, with every estimate, and `sensitivity.html` into a folder, which is made where it is not
-/// there. Returns their paths.
+/// Writes `sensitivity.csv`, with every estimate, and `sensitivity.html` into a folder, which is created if it does not
+/// exist. Returns their paths.
 ///
 /// # Errors
 /// [`ReportError`] for what cannot be rendered or written.
@@ -62,7 +62,7 @@ fn facts(sensitivity: &Sensitivity) -> Vec<(&'static str, String)> {
 fn sections(sensitivity: &Sensitivity) -> Vec<Section> {
     let picture = Section {
         id: "sensitivity",
-        title: "What errors of the simulator do",
+        title: "Effect of errors of the simulator",
         lines: conclusions(sensitivity),
         figures: vec![figure(sensitivity)],
         ..Section::default()
@@ -71,7 +71,7 @@ fn sections(sensitivity: &Sensitivity) -> Vec<Section> {
     vec![picture, all]
 }
 
-/// What a small error of each kind does to each method, by the smallest one that was tried and with which it converged.
+/// The effect of a small error of each kind on each method, by the smallest tried error with which it converged.
 pub(super) fn conclusions(sensitivity: &Sensitivity) -> Vec<String> {
     let of_kind = |kind: BiasKind| {
         let per_method = methods(sensitivity).into_iter().filter_map(|method| {
@@ -83,13 +83,13 @@ pub(super) fn conclusions(sensitivity: &Sensitivity) -> Vec<String> {
         let (error, unit) = unit_of_error(kind);
         let changes = changes.join(", ");
         (tried > 0.0).then(|| {
-            format!("{error} moves {changes} standard deviations, in proportion from {} {unit}.", significant(tried, 2))
+            format!("{error} shifts {changes} standard deviations (scaled from {} {unit}).", significant(tried, 2))
         })
     };
     BiasKind::ALL.into_iter().filter_map(of_kind).collect()
 }
 
-/// The smallest error of a kind, in percent of a factor or in units of what is added, and the change with it.
+/// The smallest error of a kind, in percent of a factor or in units of the added value, and its change.
 fn smallest_change(sensitivity: &Sensitivity, kind: BiasKind, method: Method) -> Option<[f64; 2]> {
     let is_of = |p: &&SensitivityPoint| p.kind == kind && p.method == method && p.status == Status::Converged;
     let of_kind = sensitivity.points.iter().filter(is_of);
@@ -132,14 +132,14 @@ fn figure(sensitivity: &Sensitivity) -> Figure {
         charts: BiasKind::ALL.into_iter().map(chart).collect(),
         notes: vec![
             "Changes are root mean squares over the shown estimates. The upright line is the simulator without error, \
-                     where nothing changes: zero has no place on an axis of powers of ten."
+                     where nothing changes: a logarithmic axis has no zero."
                 .to_owned(),
         ],
         ..Figure::default()
     }
 }
 
-/// The value of a kind of error that is none.
+/// The value of an error kind without error.
 fn without_error(kind: BiasKind) -> f64 {
     if kind.is_factor() { 1.0 } else { 0.0 }
 }
@@ -148,7 +148,7 @@ fn without_error(kind: BiasKind) -> f64 {
 fn curve(sensitivity: &Sensitivity, kind: BiasKind, method: Method) -> Curve {
     let of_kind = sensitivity.points.iter().filter(|p| p.kind == kind && p.method == method);
     let change = |p: &SensitivityPoint| p.rms_change.filter(|c| *c > 0.0).unwrap_or(f64::NAN);
-    // Without error nothing changes, and zero has no place on the axis: the curve has a gap there.
+    // Without error nothing changes, and the logarithmic axis has no zero: the curve has a gap there.
     let none = (without_error(kind), f64::NAN);
     let mut points: Vec<(f64, f64)> = of_kind.map(|p| (shown_value(p), change(p))).chain([none]).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -180,7 +180,7 @@ fn table(sensitivity: &Sensitivity) -> Table {
         let cells = methods.iter().flat_map(|m| cells(same_error(sensitivity, p, *m)));
         [axis(p.kind), given(shown_value(p))].into_iter().chain(cells).collect()
     };
-    let figures = strings(&["rms", "most", "error %"]);
+    let figures = strings(&["rms", "max", "error %"]);
     Table {
         title: "Changes of the estimates with errors of the simulator, standard deviations".to_owned(),
         lead: 2,
@@ -188,8 +188,8 @@ fn table(sensitivity: &Sensitivity) -> Table {
         head: strings(&["error", "value"]).into_iter().chain(methods.iter().flat_map(|_| figures.clone())).collect(),
         rows: sensitivity.points.iter().filter(first).map(row).collect(),
         notes: strings(&[
-            "rms and most: of the shown estimates, against those without error; offset: of the reference.",
-            "*: has not converged.",
+            "rms and max: over the shown estimates, compared with those without error; offset: of the reference.",
+            "*: did not converge.",
         ]),
     }
 }

@@ -3,27 +3,27 @@
 use std::path::Path;
 
 use super::error::ReportError;
-use crate::results::{DesignResults, TwinRecord};
+use crate::results::{DesignResults, TwinRecording};
 use thetahat_ground::{
     output::{RECORD, TRAJECTORY, replace_file},
     series::Series,
 };
 
-/// Writes the record of a twin: `time_s`, `position_1` ... in rad or m, `torque_1` ... in N m or N; whole or not at all.
+/// Writes the recording of a simulated robot: `time_s`, `position_1` ... in rad or m, `torque_1` ... in N m or N; atomically.
 ///
 /// # Errors
 /// [`ReportError`] where the file cannot be written.
-pub fn write_record(record: &TwinRecord, path: &Path) -> Result<(), ReportError> {
-    write(&record_csv(record)?, path)
+pub fn write_recording(recording: &TwinRecording, path: &Path) -> Result<(), ReportError> {
+    write(&recording_csv(recording)?, path)
 }
 
-/// What [`write_record`] writes.
+/// The content that [`write_recording`] writes.
 ///
 /// # Errors
 /// [`ReportError`] for what cannot be rendered.
-pub fn record_csv(record: &TwinRecord) -> Result<Vec<u8>, ReportError> {
-    let columns = [("position", &record.position), ("torque", &record.torque)];
-    let mut content = table(record.sample_rate_hz, &columns).map_err(|source| ReportError::Csv { source })?;
+pub fn recording_csv(recording: &TwinRecording) -> Result<Vec<u8>, ReportError> {
+    let columns = [("position", &recording.position), ("torque", &recording.torque)];
+    let mut content = table(recording.sample_rate_hz, &columns).map_err(|source| ReportError::Csv { source })?;
     let head = RECORD.replace('"', "").len();
     content.splice(..head, RECORD.bytes());
     Ok(content)
@@ -38,7 +38,7 @@ pub(super) fn trajectory_csv(results: &DesignResults) -> Result<Vec<u8>, csv::Er
     Ok(content)
 }
 
-/// Writes series of the same length beside their time, whole or not at all: `time_s`, then `name_1` ... of each.
+/// Writes series of the same length with their time, atomically: `time_s`, then `name_1` ... of each.
 pub(super) fn write_series(sample_rate_hz: f64, columns: &[(&str, &Series)], path: &Path) -> Result<(), ReportError> {
     write(&table(sample_rate_hz, columns).map_err(|source| ReportError::Csv { source })?, path)
 }

@@ -22,14 +22,14 @@ pub struct Group {
     pub columns: usize,
 }
 
-/// A table of texts: a few leading columns that say what a row is, then columns of figures.
+/// A table of texts: a few leading columns that identify a row, then columns of figures.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct Table {
     /// Title.
     pub title: String,
-    /// Number of leading columns: aligned left, and repeated where a table is cut into several.
+    /// Number of leading columns: aligned left, and repeated if a table is split.
     pub lead: usize,
-    /// Headings over the columns behind the leading ones; empty, or all of them are covered.
+    /// Headings over the columns after the leading ones; empty, or covering all of them.
     pub groups: Vec<Group>,
     /// Heading of each column.
     pub head: Vec<String>,
@@ -40,7 +40,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// The table as lines that fit; what is wider is cut into several tables with the same
+    /// The table as lines that fit; a wider table is split into several with the same
     /// leading columns.
     #[must_use]
     pub fn to_text(&self, width: TextWidth) -> String {
@@ -56,7 +56,7 @@ impl Table {
         text
     }
 
-    /// The same with names that cannot steer a terminal.
+    /// The same with control characters made visible.
     fn visible(&self) -> Self {
         let all = |texts: &[String]| texts.iter().map(|text| visible(text).into_owned()).collect();
         Self {
@@ -77,10 +77,10 @@ impl Table {
     fn widths(&self, width: TextWidth) -> Vec<usize> {
         let mut widths = self.full_widths();
         for (_, block) in self.blocks() {
-            let beside = || (0..self.lead).chain(block.iter().copied());
-            let line = |widths: &[usize]| beside().map(|c| widths[c] + 1).sum::<usize>().saturating_sub(1);
+            let columns = || (0..self.lead).chain(block.iter().copied());
+            let line = |widths: &[usize]| columns().map(|c| widths[c] + 1).sum::<usize>().saturating_sub(1);
             while line(&widths) > width.columns() {
-                let Some(widest) = beside().max_by_key(|&c| widths[c]).filter(|&c| widths[c] > NARROWEST) else {
+                let Some(widest) = columns().max_by_key(|&c| widths[c]).filter(|&c| widths[c] > NARROWEST) else {
                     break;
                 };
                 widths[widest] -= 1;
@@ -89,7 +89,7 @@ impl Table {
         widths
     }
 
-    /// Characters that each column would have; those under a long heading are widened to hold it.
+    /// Characters of each column without a limit; columns under a long heading are widened to fit it.
     fn full_widths(&self) -> Vec<usize> {
         let mut widths: Vec<usize> = (0..self.head.len()).map(|c| self.width(c)).collect();
         for (label, columns) in self.blocks() {
@@ -122,11 +122,11 @@ impl Table {
             return (self.lead..self.head.len()).map(|c| ("", vec![c])).collect();
         }
         let mut next = self.lead;
-        let take = |group: &Group| {
+        let of_group = |group: &Group| {
             next += group.columns;
             (next - group.columns..next).collect()
         };
-        let columns: Vec<Vec<usize>> = self.groups.iter().map(take).collect();
+        let columns: Vec<Vec<usize>> = self.groups.iter().map(of_group).collect();
         self.groups.iter().map(|g| g.label.as_str()).zip(columns).collect()
     }
 
@@ -202,7 +202,7 @@ impl Page<'_> {
     }
 }
 
-/// Headings and the like as the table holds them.
+/// Texts as a table holds them.
 pub(super) fn strings(texts: &[&str]) -> Vec<String> {
     texts.iter().map(|t| (*t).to_owned()).collect()
 }

@@ -1,4 +1,4 @@
-//! What the tables of the report hold.
+//! The tables of the report.
 
 use super::{
     number::{NONE, estimate, fixed, given, optional, signed, significant, with_deviation, with_percent},
@@ -16,7 +16,7 @@ const SIMULATED: [&str; 4] = ["position", "velocity", "acceleration", "torque"];
 /// Figures of a run that a publication may print: name in the file of published figures, and heading.
 const RUN_FIGURES: [(&str, &str); 3] = [
     ("relative_error_percent", "relative error %"),
-    ("cross_validation_relative_error_percent", "unseen %"),
+    ("cross_validation_relative_error_percent", "validation %"),
     ("condition_number", "condition number"),
 ];
 
@@ -42,30 +42,30 @@ pub(super) fn summary(results: &Results) -> Table {
     Table {
         title: "Runs".to_owned(),
         lead: 3,
-        head: strings(&["case", "method", "status", "iter", "sims", "error %", "unseen %", "cond", "s"]),
+        head: strings(&["case", "method", "status", "iter", "sims", "error %", "validation %", "cond", "s"]),
         rows: results.runs.iter().map(row).collect(),
-        notes: vec![format!("error: relative error 100 |y - y_hat| / |y|{}.", unseen_note(results))],
+        notes: vec![format!("error: relative error 100 |y - y_hat| / |y|{}.", validation_note(results))],
         ..Table::default()
     }
 }
 
-/// What the estimates are validated on; none where they are not.
-pub(super) fn unseen(results: &Results) -> Option<&'static str> {
+/// The data of the validation; none without validation.
+pub(super) fn validation(results: &Results) -> Option<&'static str> {
     let unseen = results.runs.iter().find_map(|r| results.unseen(r))?;
     Some(match unseen {
-        Unseen::HeldBack(_) => "the error on the recordings that were held back",
-        Unseen::LeftOut(_) => "the error on parts of the record, each left out in turn",
+        Unseen::HeldBack(_) => "error on recordings held back",
+        Unseen::LeftOut(_) => "error on parts of the recording left out in turn",
     })
 }
 
-fn unseen_note(results: &Results) -> String {
-    unseen(results).map_or_else(String::new, |text| format!("; unseen: {text}"))
+fn validation_note(results: &Results) -> String {
+    validation(results).map_or_else(String::new, |text| format!("; validation: {text}"))
 }
 
 /// The parameters of some runs, in the order in which they appear.
-fn parameters_in<'a>(runs: &[&'a RunResult], wanted: impl Fn(&ParameterResult) -> bool) -> Vec<&'a ParameterResult> {
+fn parameters_in<'a>(runs: &[&'a RunResult], is_shown: impl Fn(&ParameterResult) -> bool) -> Vec<&'a ParameterResult> {
     let mut parameters: Vec<&ParameterResult> = Vec::new();
-    for parameter in runs.iter().flat_map(|r| &r.parameters).filter(|p| wanted(p)) {
+    for parameter in runs.iter().flat_map(|r| &r.parameters).filter(|p| is_shown(p)) {
         if !parameters.iter().any(|p| p.name == parameter.name) {
             parameters.push(parameter);
         }
@@ -73,13 +73,13 @@ fn parameters_in<'a>(runs: &[&'a RunResult], wanted: impl Fn(&ParameterResult) -
     parameters
 }
 
-/// What stands for a parameter of a run: its status where there is no estimate.
+/// The cell of a parameter of a run: the status of the run without an estimate.
 fn cell(run: &RunResult, name: &str, show: impl Fn(&ParameterResult) -> String) -> String {
     let absent = if run.parameters.is_empty() { run.status.name() } else { NONE };
     run.parameter(name).map_or_else(|| absent.to_owned(), show)
 }
 
-/// Why the runs that did not converge did not, and what runs simulated that no file says.
+/// Why runs did not converge, and what they simulated differently from the files.
 pub(super) fn reasons(runs: &[&RunResult]) -> Vec<String> {
     let reason = |r: &&RunResult| {
         let why = r.reason.as_deref().or((r.status != Status::Converged).then_some("no reason given"))?;
@@ -114,7 +114,7 @@ pub(super) fn parameters(results: &Results, case: &str) -> Table {
     }
 }
 
-/// How many times larger the deviations behind the intervals are than the classical ones.
+/// The ratio of the deviations of the intervals to the classical ones.
 fn widening(runs: &[&RunResult]) -> Option<String> {
     let of_run =
         |r: &&RunResult| Some(format!("{} times these for {}", significant(r.widening()?, 2), r.method.name()));
@@ -138,7 +138,7 @@ fn repeated_head(lead: &[&str], each: &[&str], runs: usize) -> Vec<String> {
     strings(lead).into_iter().chain(repeated).collect()
 }
 
-/// The interval of 95 %, to two digits of its half width.
+/// The 95 % interval, to two digits of its half width.
 fn interval(p: &ParameterResult) -> String {
     let text = |[low, high]: [f64; 2]| {
         let [low, high] = [low, high].map(|v| estimate(v, Some(0.5 * (high - low))));
@@ -147,7 +147,7 @@ fn interval(p: &ParameterResult) -> String {
     p.interval_95.map_or_else(|| NONE.to_owned(), text)
 }
 
-/// Every parameter of a case with its unit, classical standard deviations and intervals, and in the first case its formula.
+/// Every parameter of a case with unit, classical standard deviations and intervals, and in the first case the formula.
 pub(super) fn formulas(results: &Results, case: &str) -> Table {
     let runs = runs_of(results, case);
     let is_first = results.cases().first() == Some(&case);
@@ -180,7 +180,7 @@ fn error_in_deviations(p: &ParameterResult) -> Option<f64> {
     p.standard_deviation.filter(|sd| *sd > 0.0).map(|sd| error / sd)
 }
 
-/// The shown parameters of a case beside their true values; none where no true value is known.
+/// The shown parameters of a case with their true values; none without true values.
 pub(super) fn truth(results: &Results, case: &str) -> Option<Table> {
     let runs = runs_of(results, case);
     let known = parameters_in(&runs, |p| p.shown && p.true_value.is_some());
@@ -206,14 +206,14 @@ pub(super) fn truth(results: &Results, case: &str) -> Option<Table> {
 }
 
 fn truth_counts(runs: &[&RunResult]) -> Vec<String> {
-    let count = |r: &&RunResult, wanted: fn(&ParameterResult) -> bool| {
-        let errors: Vec<f64> = r.parameters.iter().filter(|p| wanted(p)).filter_map(error_in_deviations).collect();
+    let count = |r: &&RunResult, is_counted: fn(&ParameterResult) -> bool| {
+        let errors: Vec<f64> = r.parameters.iter().filter(|p| is_counted(p)).filter_map(error_in_deviations).collect();
         let within = errors.iter().filter(|e| e.abs() <= WITHIN).count();
         format!("{} {within} of {}", r.method.name(), errors.len())
     };
-    let line = |what: &str, wanted: fn(&ParameterResult) -> bool| {
+    let line = |what: &str, is_counted: fn(&ParameterResult) -> bool| {
         let estimated = runs.iter().filter(|r| !r.parameters.is_empty());
-        let counts: Vec<String> = estimated.map(|r| count(r, wanted)).collect();
+        let counts: Vec<String> = estimated.map(|r| count(r, is_counted)).collect();
         format!("within 3 standard deviations{what}: {}", counts.join(", "))
     };
     let hidden = runs.iter().any(|r| r.parameters.iter().any(|p| !p.shown));
@@ -221,7 +221,7 @@ fn truth_counts(runs: &[&RunResult]) -> Vec<String> {
     [line("", |p| p.shown)].into_iter().chain(all).chain(interval_counts(runs)).collect()
 }
 
-/// How many intervals hold the true value; none where there are no intervals.
+/// How many intervals contain the true value; none without intervals.
 pub(super) fn interval_counts(runs: &[&RunResult]) -> Option<String> {
     let holds = |p: &ParameterResult| p.interval_95.zip(p.true_value).map(|([a, b], t)| (a..=b).contains(&t));
     let count = |r: &&RunResult| {
@@ -230,11 +230,11 @@ pub(super) fn interval_counts(runs: &[&RunResult]) -> Option<String> {
         (!held.is_empty()).then(|| format!("{} {of} of {}", r.method.name(), held.len()))
     };
     let counts: Vec<String> = runs.iter().filter_map(count).collect();
-    let what = "95 % intervals that hold the truth, of all parameters";
+    let what = "95 % intervals that contain the truth, of all parameters";
     (!counts.is_empty()).then(|| format!("{what}: {}", counts.join(", ")))
 }
 
-/// How far a published parameter table goes into detail.
+/// Level of detail of a published parameter table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Detail {
     /// Estimates alone.
@@ -243,7 +243,7 @@ pub(super) enum Detail {
     Deviations,
 }
 
-/// Published estimates of a case beside ours; none where nothing is published for it.
+/// Published estimates of a case compared with ours; none if nothing is published for it.
 pub(super) fn published(results: &Results, published: &Published, case: &str, detail: Detail) -> Option<Table> {
     let printed = |r: &RunResult| published.values.iter().any(|v| v.case == case && v.method == r.method);
     let runs: Vec<&RunResult> = runs_of(results, case).into_iter().filter(|r| printed(r)).collect();
@@ -319,7 +319,7 @@ fn agreements(published: &Published, runs: &[&RunResult]) -> Vec<String> {
     [format!("{rule}: {}; * marks those that are not", counts.join(", "))].into_iter().chain(reasons(runs)).collect()
 }
 
-/// Published figures of the runs beside ours: relative errors and the like.
+/// Published figures of the runs compared with ours, such as relative errors.
 pub(super) fn published_runs(results: &Results, published: &Published) -> Option<Table> {
     let printed = |name: &str| published.values.iter().any(|v| v.parameter == name);
     let figures: Vec<_> = RUN_FIGURES.into_iter().filter(|(name, _)| printed(name)).collect();
@@ -386,7 +386,7 @@ pub(super) fn convergence(results: &Results) -> Option<Table> {
 /// Relative errors of the simulations with the estimates.
 pub(super) fn simulation_errors(results: &Results) -> Option<Table> {
     let rows: Vec<Vec<String>> = results.runs.iter().flat_map(simulation_rows).collect();
-    let head = strings(&["case", "method", "record"]).into_iter().chain(SIMULATED.map(|q| format!("{q} %")));
+    let head = strings(&["case", "method", "recording"]).into_iter().chain(SIMULATED.map(|q| format!("{q} %")));
     (!rows.is_empty()).then(|| Table {
         title: "Closed-loop simulation with the estimates, relative errors".to_owned(),
         lead: 3,
@@ -397,17 +397,17 @@ pub(super) fn simulation_errors(results: &Results) -> Option<Table> {
 }
 
 fn simulation_rows(run: &RunResult) -> Vec<Vec<String>> {
-    let records = [
+    let recordings = [
         ("identified", &run.simulation_relative_error_percent),
         ("held back", &run.validation_simulation_relative_error_percent),
     ];
-    let row = |(record, errors): (&str, &Option<std::collections::BTreeMap<String, f64>>)| {
+    let row = |(recording, errors): (&str, &Option<std::collections::BTreeMap<String, f64>>)| {
         let errors = errors.as_ref()?;
         let cells = SIMULATED.map(|quantity| optional(errors.get(quantity).copied(), 3));
-        let lead = [run.case.clone(), run.method.name().to_owned(), record.to_owned()];
+        let lead = [run.case.clone(), run.method.name().to_owned(), recording.to_owned()];
         Some(lead.into_iter().chain(cells).collect())
     };
-    records.into_iter().filter_map(row).collect()
+    recordings.into_iter().filter_map(row).collect()
 }
 
 /// Relative error of each joint's torque.

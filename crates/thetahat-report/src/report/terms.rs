@@ -1,4 +1,4 @@
-//! Laws of torque terms compared, and constants of terms that were searched for.
+//! Comparison of laws of torque terms, and constants of terms found by a search.
 
 use super::{
     number::{NONE, optional, significant},
@@ -23,7 +23,7 @@ pub(super) fn section(results: &Results) -> Section {
     }
 }
 
-/// The same for the terminal; empty where nothing was compared or searched for.
+/// The same for the terminal; may be empty.
 pub(super) fn text(results: &Results, width: TextWidth) -> String {
     let lines: String = profiled(results).map(|line| wrap(&line, "", width)).collect();
     let compared = results.term_comparison.as_ref().map(|c| {
@@ -43,7 +43,7 @@ fn comparison(comparison: &TermComparison, listed: usize) -> Table {
         head: head.map(str::to_owned).to_vec(),
         rows: comparison.joints.iter().flat_map(|joint| rows(joint, listed)).collect(),
         notes: vec![
-            "left-out error: of the joint's torque, predicted from other parts of the record, by least squares weighted per joint. \
+            "left-out error: error of the joint's torque, predicted from other parts of the recording, by least squares weighted per joint. \
              criterion: change of Bayes's information criterion, counted in independent samples; below -10 the evidence is very \
              strong."
                 .to_owned(),
@@ -64,7 +64,7 @@ fn rows(joint: &JointTermComparison, listed: usize) -> Vec<Vec<String>> {
     ];
     let mut laws: Vec<&TermLaw> = joint.laws.iter().collect();
     laws.sort_by(|a, b| a.criterion_change.total_cmp(&b.criterion_change));
-    let shown = laws.into_iter().enumerate().filter(|(place, law)| *place < listed || law.recommended);
+    let shown = laws.into_iter().enumerate().filter(|(rank, law)| *rank < listed || law.recommended);
     [first].into_iter().chain(shown.map(|(_, law)| row(&joint.joint, law))).collect()
 }
 
@@ -90,31 +90,31 @@ fn advice(comparison: &TermComparison) -> String {
         .collect();
     if recommended.is_empty() {
         return format!(
-            "No law explains the torques better than the model as described; they hold {samples} independent samples."
+            "No law explains the torques better than the model as described ({samples} independent samples)."
         );
     }
     format!(
-        "Recommended, by {samples} independent samples: {}. Each was tried alone: write what follows into the robot or experiment \
-         file, take out what is recommended without, and compare again.",
+        "Recommended, by {samples} independent samples: {}. Each was tried alone: add the text below to the robot or experiment \
+         file, remove the laws recommended with `without`, and compare again.",
         recommended.join("; ")
     )
 }
 
-/// What to write to accept what is recommended.
+/// The text that accepts the recommendations.
 fn accepted(comparison: &TermComparison) -> String {
     let laws = comparison.joints.iter().flat_map(|j| &j.laws).filter(|law| law.recommended);
     laws.map(|law| law.description.as_str()).filter(|text| !text.is_empty()).collect::<Vec<_>>().join("\n")
 }
 
-/// The constants that were searched for.
+/// The constants found by a search.
 pub(super) fn profiled(results: &Results) -> impl Iterator<Item = String> + '_ {
     results.profiled_terms.iter().map(|ProfiledTerm { term, joint, velocity, exponent, at_limit }| {
         let found = format!(
-            "Term {}, {joint}: velocity = {velocity}, exponent = {exponent} leave the smallest residual; intervals take them as known.",
+            "Term {}, {joint}: velocity = {velocity}, exponent = {exponent} give the smallest residual; the intervals assume that they are exact.",
             term + 1
         );
         if *at_limit {
-            format!("{found} The velocity is at the end of what was searched: the record does not say it.")
+            format!("{found} The velocity is at the end of the searched range: the recording does not determine it.")
         } else {
             found
         }

@@ -37,7 +37,7 @@ pub fn all(results: &Results, published: Option<&Published>, width: TextWidth) -
     parts.join("\n")
 }
 
-/// Title, advice, record, filters, reference, seed.
+/// Title, advice, recordings, filters, reference, seed.
 #[must_use]
 pub fn head(results: &Results, width: TextWidth) -> String {
     let line = |(label, value): (&str, String)| labelled(label, &value, LABEL, width);
@@ -51,7 +51,7 @@ pub fn summary(results: &Results, width: TextWidth) -> String {
     tables::summary(results).to_text(width)
 }
 
-/// What tells the methods apart, and what the residuals say; empty where nothing was diagnosed.
+/// Comparisons of the methods and tests of the residuals; may be empty.
 #[must_use]
 pub fn diagnosis(results: &Results, width: TextWidth) -> String {
     let tables = [
@@ -67,25 +67,25 @@ pub fn diagnosis(results: &Results, width: TextWidth) -> String {
     tables.chain([notes]).filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
 }
 
-/// The shown parameters of a case, the methods side by side, and why a method has no estimate.
+/// The shown parameters of a case by method, and why a method has no estimate.
 #[must_use]
 pub fn parameters(results: &Results, case: &str, width: TextWidth) -> String {
     tables::parameters(results, case).to_text(width)
 }
 
-/// The estimates of a case beside the true values; empty where none are known.
+/// The estimates of a case with the true values; empty without true values.
 #[must_use]
 pub fn truth(results: &Results, case: &str, width: TextWidth) -> String {
     tables::truth(results, case).map(|t| t.to_text(width)).unwrap_or_default()
 }
 
-/// The published estimates of a case beside ours; empty where none are published.
+/// The published estimates of a case compared with ours; may be empty.
 #[must_use]
 pub fn published(results: &Results, published: &Published, case: &str, width: TextWidth) -> String {
     tables::published(results, published, case, Detail::Estimates).map(|t| t.to_text(width)).unwrap_or_default()
 }
 
-/// Published relative errors and the like beside ours; empty where none are published.
+/// Published figures of the runs compared with ours; may be empty.
 #[must_use]
 pub fn published_runs(results: &Results, published: &Published, width: TextWidth) -> String {
     tables::published_runs(results, published).map(|t| t.to_text(width)).unwrap_or_default()
@@ -97,19 +97,19 @@ pub fn joint_errors(results: &Results, width: TextWidth) -> String {
     tables::joint_errors(results).map(|t| t.to_text(width)).unwrap_or_default()
 }
 
-/// Elimination and F-tests, whether they reject or not; empty where there are none.
+/// Elimination and F-tests, whether they reject or not; may be empty.
 #[must_use]
 pub fn tests(results: &Results, width: TextWidth) -> String {
     sections::tests(results).iter().map(|line| wrap(line, "", width)).collect()
 }
 
-/// Every iteration; empty where nothing was iterated.
+/// Every iteration; may be empty.
 #[must_use]
 pub fn convergence(results: &Results, width: TextWidth) -> String {
     tables::convergence(results).map(|t| t.to_text(width)).unwrap_or_default()
 }
 
-/// Errors of the closed-loop simulations; empty where nothing was simulated.
+/// Errors of the closed-loop simulations; may be empty.
 #[must_use]
 pub fn simulation_errors(results: &Results, width: TextWidth) -> String {
     tables::simulation_errors(results).map(|t| t.to_text(width)).unwrap_or_default()

@@ -1,4 +1,4 @@
-//! Names and units of a joint in the figures; revolute units where the results do not tell the joint's kind.
+//! Names and units of a joint in the figures; revolute units if the results do not contain the joint's kind.
 
 use super::wrap::shortened;
 use crate::results::{JointKind, JointResult, Results};
@@ -23,7 +23,7 @@ pub(super) fn torque(results: &Results, joint: usize) -> &str {
     results.robot_joints.get(joint).map_or("N m", |j| &j.torque_unit)
 }
 
-/// A joint by its number, with its name where that says more, for a title.
+/// A joint's number, with its name if that says more, for a title.
 pub(super) fn joint(results: &Results, joint: usize) -> String {
     let number = joint + 1;
     let Some(of_robot) = results.robot_joints.get(joint) else { return format!("Joint {number}") };
@@ -31,7 +31,7 @@ pub(super) fn joint(results: &Results, joint: usize) -> String {
     label.replacen('j', "J", 1)
 }
 
-/// Whether anything was measured of a joint.
+/// Whether a joint has measured torques.
 pub(super) fn has_joint(results: &Results, joint: usize) -> bool {
     results.plots.measured.get(joint).is_none_or(|m| m.iter().any(|v| *v != 0.0))
 }

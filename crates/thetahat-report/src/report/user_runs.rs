@@ -1,4 +1,4 @@
-//! What estimators of the user's own found, beside the method that is taken: apart from the methods of thetahat, and said to be so.
+//! The estimates of the user's own estimators, compared with the recommended method and kept apart from thetahat's methods.
 
 use super::{
     number::{NONE, estimate, optional, signed, significant, with_percent},
@@ -8,9 +8,9 @@ use super::{
 };
 use crate::results::{ParameterResult, Results, RunResult, UserRun};
 
-/// What is said of them wherever they are shown.
+/// The note wherever they are shown.
 const WHOSE: &str =
-    "Estimators of the user's own, which thetahat has not examined: verdict, advice and exports know nothing of them.";
+    "The user's own estimators, which thetahat has not examined: verdict, advice and exports do not use them.";
 
 pub(super) fn section(results: &Results) -> Section {
     if results.user_runs.is_empty() {
@@ -18,14 +18,14 @@ pub(super) fn section(results: &Results) -> Section {
     }
     Section {
         id: "user-estimators",
-        title: "Estimators of the user's own",
+        title: "The user's own estimators",
         lines: lines(results),
         tables: vec![errors(results), parameters(results)],
         ..Section::default()
     }
 }
 
-/// The same for the terminal; empty where there are none.
+/// The same for the terminal; may be empty.
 pub(super) fn text(results: &Results, width: TextWidth) -> String {
     if results.user_runs.is_empty() {
         return String::new();
@@ -53,36 +53,38 @@ fn errors(results: &Results) -> Table {
     Table {
         title: "Errors of the user's estimators".to_owned(),
         lead: 1,
-        head: strings(&["estimator", "given", "error %", "unseen %", "s"]),
+        head: strings(&["estimator", "given", "error %", "validation %", "s"]),
         rows: results.user_runs.iter().map(row).collect(),
-        notes: strings(&["error and unseen: as of the methods, of X theta. s: of one estimate of all rows."]),
+        notes: strings(&[
+            "error and validation: as for the methods, with X theta. s: time of one estimate of all rows.",
+        ]),
         ..Table::default()
     }
 }
 
 fn parameters(results: &Results) -> Table {
-    let taken = results.recommended_run();
+    let recommended = results.recommended_run();
     let named = &results.user_runs[0].parameters;
     let group = |run: &UserRun| Group { label: run.name.clone(), columns: 2 };
-    let of_taken = taken.map(|run| Group { label: run.method.name().to_owned(), columns: 1 });
+    let of_recommended = recommended.map(|run| Group { label: run.method.name().to_owned(), columns: 1 });
     let row = |p: &ParameterResult| {
-        let theirs = results.user_runs.iter().flat_map(|run| cells(run, taken, &p.name));
-        let ours = taken.map(|run| run.parameter(&p.name).map_or_else(|| NONE.to_owned(), shown));
+        let theirs = results.user_runs.iter().flat_map(|run| cells(run, recommended, &p.name));
+        let ours = recommended.map(|run| run.parameter(&p.name).map_or_else(|| NONE.to_owned(), shown));
         [p.name.clone(), p.unit.clone()].into_iter().chain(ours).chain(theirs).collect()
     };
-    let figures = results.user_runs.iter().flat_map(|_| strings(&["estimate", "apart"]));
+    let figures = results.user_runs.iter().flat_map(|_| strings(&["estimate", "diff/sd"]));
     Table {
         title: "Estimates of the user's estimators".to_owned(),
         lead: 2,
-        groups: of_taken.into_iter().chain(results.user_runs.iter().map(group)).collect(),
+        groups: of_recommended.into_iter().chain(results.user_runs.iter().map(group)).collect(),
         head: strings(&["name", "unit"])
             .into_iter()
-            .chain(taken.map(|_| "estimate".to_owned()))
+            .chain(recommended.map(|_| "estimate".to_owned()))
             .chain(figures)
             .collect(),
         rows: named.iter().filter(|p| p.shown).map(row).collect(),
         notes: strings(&[
-            "Behind estimates: relative standard deviation. apart: difference from the method that is taken, in its robust deviations.",
+            "In brackets: relative standard deviation. diff/sd: difference from the recommended method, in its robust standard deviations.",
         ]),
     }
 }
@@ -91,10 +93,11 @@ fn shown(p: &ParameterResult) -> String {
     with_percent(&estimate(p.estimate, p.standard_deviation), p.relative_standard_deviation_percent)
 }
 
-/// The estimate of a parameter, and how far it is from the method that is taken.
-fn cells(run: &UserRun, taken: Option<&RunResult>, name: &str) -> [String; 2] {
+/// The estimate of a parameter, and its difference from the recommended method.
+fn cells(run: &UserRun, recommended: Option<&RunResult>, name: &str) -> [String; 2] {
     let Some(own) = run.parameter(name) else { return [NONE.to_owned(), NONE.to_owned()] };
-    let ours = taken.and_then(|run| run.parameter(name));
-    let apart = ours.and_then(|ours| Some((own.estimate - ours.estimate) / ours.deviation().filter(|sd| *sd > 0.0)?));
-    [shown(own), apart.map_or_else(|| NONE.to_owned(), signed)]
+    let ours = recommended.and_then(|run| run.parameter(name));
+    let difference =
+        ours.and_then(|ours| Some((own.estimate - ours.estimate) / ours.deviation().filter(|sd| *sd > 0.0)?));
+    [shown(own), difference.map_or_else(|| NONE.to_owned(), signed)]
 }

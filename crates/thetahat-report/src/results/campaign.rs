@@ -1,11 +1,11 @@
-/// What the runs of a campaign give: what `campaign.html` shows.
+/// The results of a campaign, as `campaign.html` shows them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CampaignResults {
     /// Title of the campaign.
     pub title: String,
     /// Name of the robot.
     pub robot: String,
-    /// Title of the experiment whose motion is recorded again and again.
+    /// Title of the experiment whose motion is simulated repeatedly.
     pub experiment_title: String,
     /// Number of parameters of all cases.
     pub parameters: usize,
@@ -19,7 +19,7 @@ pub struct CampaignResults {
     pub runs: usize,
     /// One summary for each case, noise level and method.
     pub summaries: Vec<MethodSummary>,
-    /// Statements of publications that the figures can be held against.
+    /// Statements of publications to compare the figures with.
     pub statements: Vec<PublishedStatement>,
     /// The text of the campaign file.
     pub campaign_description: String,
@@ -29,21 +29,21 @@ pub struct CampaignResults {
     pub robot_description: String,
 }
 
-/// How much of what a campaign describes was run.
+/// How much of a campaign was run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Extent {
-    /// So many were run.
+    /// Number that was run.
     pub run: u32,
-    /// So many are described.
+    /// Number in the description.
     pub described: u32,
 }
 
 /// A statement of a publication.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PublishedStatement {
-    /// Who says so, and where.
+    /// The publication.
     pub source: String,
-    /// What they say.
+    /// The statement.
     pub says: String,
 }
 
@@ -58,16 +58,16 @@ pub struct MethodSummary {
     pub method: String,
     /// Runs.
     pub runs: usize,
-    /// Runs that converged: only their numbers are in what follows.
+    /// Runs that converged: all numbers below are from these.
     pub converged: usize,
     /// Root mean square over the parameters of the mean error in mean classical standard deviations.
     pub bias: Option<f64>,
     /// Root mean square over the parameters of the ratio of the estimates' standard deviation to the mean classical one:
     /// one where the classical one is right.
     pub spread: Option<f64>,
-    /// Part of the 95 % intervals that hold the true value, over all parameters, percent.
+    /// Share of the 95 % intervals that contain the true value, over all parameters, percent.
     pub coverage_percent: Option<f64>,
-    /// The same of the estimates with 1.96 classical standard deviations on both sides.
+    /// The same for intervals of 1.96 classical standard deviations on both sides.
     pub classical_coverage_percent: Option<f64>,
     /// Mean of the iterations.
     pub iterations: Option<f64>,
@@ -83,7 +83,7 @@ pub struct MethodSummary {
     pub torque_error_percent: Option<Quantiles>,
     /// Every parameter that has a true value.
     pub parameters: Vec<ParameterSummary>,
-    /// Why runs failed, with how many.
+    /// Reasons of failed runs, with their counts.
     pub failures: Vec<(String, usize)>,
 }
 
@@ -102,13 +102,13 @@ pub struct ParameterSummary {
     pub spread: Option<f64>,
     /// Mean of the classical standard deviations.
     pub deviation: f64,
-    /// Part of the 95 % intervals that hold the true value, percent.
+    /// Share of the 95 % intervals that contain the true value, percent.
     pub coverage_percent: f64,
-    /// The same of the estimates with 1.96 classical standard deviations on both sides.
+    /// The same for intervals of 1.96 classical standard deviations on both sides.
     pub classical_coverage_percent: f64,
-    /// Part of the 95 % intervals that do not hold zero, percent: how often the parameter is told from zero.
+    /// Share of the 95 % intervals that exclude zero, percent.
     pub power_percent: f64,
-    /// Estimates.
+    /// Number of estimates.
     pub count: usize,
 }
 
@@ -117,11 +117,11 @@ pub struct ParameterSummary {
 pub struct Quantiles {
     /// The smallest.
     pub smallest: f64,
-    /// A quarter lies below.
+    /// The lower quartile.
     pub lower: f64,
-    /// Half lies below.
+    /// The median.
     pub median: f64,
-    /// Three quarters lie below.
+    /// The upper quartile.
     pub upper: f64,
     /// The largest.
     pub largest: f64,

@@ -1,4 +1,4 @@
-//! The results at a glance: is it good, which numbers, what next.
+//! Summary of the results: the verdict, the recommended numbers, what to do next.
 
 use super::{
     content::{NOMINAL, Results},
@@ -15,54 +15,54 @@ use thetahat_ground::number::significant;
 /// Most actions on a card.
 const ACTIONS: usize = 3;
 
-/// Part of the unseen error below which another case fits clearly better.
+/// Ratio of errors on data not used below which another case fits clearly better.
 const BETTER: f64 = 0.95;
 
-/// The last action where the data are to be mended.
-const AGAIN: &str = "then identify again: the other findings may be gone";
+/// The last action if the data must be fixed first.
+const AGAIN: &str = "then identify again: the other findings may disappear";
 
-/// The verdict and what it rests on. Nothing here is new: it is what the results hold, gathered.
+/// The verdict and the figures that it is based on, gathered from the results.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Card {
-    /// What the results are good for; none where they were read from a file of before that key.
+    /// Whether the results can be used; none in files from before this key.
     pub verdict: Option<Verdict>,
-    /// The method whose numbers to take; none where none has numbers to take.
+    /// The recommended method; none if no method can be recommended.
     pub method: Option<Method>,
-    /// The case that they are of, where there are several.
+    /// Its case, if there are several.
     pub case: Option<String>,
     /// Its relative error, percent of the torques (of the positions for `cloe`).
     pub relative_error_percent: Option<f64>,
-    /// Its relative error on what it has not seen.
+    /// Its relative error on data not used.
     pub unseen: Option<Unseen>,
     /// Label and relative error in percent of the joint with the largest error.
     pub worst_joint: Option<(String, f64)>,
     /// The names of its parameters by grade, in the order of [`Grade::ALL`].
     pub parameters: [Vec<String>; 4],
-    /// Whether something that the model lacks shows in the residual: grades then hold if the model does.
+    /// Whether the residual shows effects that are missing in the model: the grades then hold only if the model does.
     pub model_is_doubted: bool,
-    /// Whether a robot made of bodies has the estimates; none where that was not examined.
+    /// Whether the estimates are physically consistent; none if that was not examined.
     pub physical: Option<Physical>,
-    /// What to do next, the most urgent first; at most three.
+    /// What to do next, the most urgent action first; at most three.
     pub actions: Vec<String>,
 }
 
-/// Whether a robot made of bodies has the estimates.
+/// Whether the estimates can be those of a robot of rigid bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Physical {
-    /// One has.
+    /// They are consistent.
     Yes,
-    /// None has, by no more than noise explains.
+    /// They are inconsistent, but within noise.
     WithinNoise,
-    /// None has.
+    /// They are inconsistent by more than noise.
     No,
 }
 
-/// The relative error on data that the estimate was not made from, percent.
+/// The relative error on data not used for the estimate, percent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Unseen {
     /// On recordings that were held back.
     HeldBack(f64),
-    /// On parts of the record, each left out in turn.
+    /// On parts of the recording, each left out in turn.
     LeftOut(f64),
 }
 
@@ -77,7 +77,7 @@ impl Unseen {
 }
 
 impl Results {
-    /// The results at a glance, of the nominal case.
+    /// The summary of the nominal case.
     #[must_use]
     pub fn card(&self) -> Card {
         let run = self.recommended_run();
@@ -96,50 +96,50 @@ impl Results {
         }
     }
 
-    /// The actions; the last one is for who simulates, where no robot has the numbers and no other action is about that.
-    fn next(&self, taken: Option<&RunResult>) -> Vec<String> {
+    /// The actions. The last one is for simulation, if the numbers are inconsistent and no other action says so.
+    fn next(&self, recommended: Option<&RunResult>) -> Vec<String> {
         let mut actions: Vec<String> = self.better_case().into_iter().chain(self.actions()).take(ACTIONS).collect();
         let mut of_bodies = self.verdict_reasons.iter().filter(|r| r.code == ReasonCode::NotPhysical);
-        let is_said = of_bodies.any(|r| actions.contains(&r.remedy));
-        let before = taken.and_then(RunResult::before_simulation);
-        if let Some(before) = before.filter(|_| !is_said && self.verdict != Some(Verdict::DoNotUse)) {
+        let is_covered = of_bodies.any(|r| actions.contains(&r.remedy));
+        let before = recommended.and_then(RunResult::before_simulation);
+        if let Some(before) = before.filter(|_| !is_covered && self.verdict != Some(Verdict::DoNotUse)) {
             actions.truncate(ACTIONS - 1);
             actions.push(before.to_owned());
         }
         actions
     }
 
-    /// Whether something is missing in the model or in the processing: it may have shifted estimates that are precise.
+    /// Whether something is missing in the model or in the processing, which may bias precise estimates.
     #[must_use]
     pub fn model_is_doubted(&self) -> bool {
         self.verdict_reasons.iter().any(|r| r.code == ReasonCode::CorrelatedResidual)
     }
 
-    /// The run of the nominal case whose numbers to take.
+    /// The recommended run of the nominal case.
     #[must_use]
     pub fn recommended_run(&self) -> Option<&RunResult> {
-        self.taken_in(NOMINAL)
+        self.recommended_run_in(NOMINAL)
     }
 
-    /// The run of a case whose numbers the advice takes; without advice, as from reductions, that of idim-iv or else
+    /// The run of a case that the advice recommends; without advice, as from reductions, that of idim-iv or otherwise
     /// idim-ls, if it converged.
     #[must_use]
-    pub fn taken_in(&self, case: &str) -> Option<&RunResult> {
+    pub fn recommended_run_in(&self, case: &str) -> Option<&RunResult> {
         let converged = |method| self.run(case, method).filter(|run| run.status == Status::Converged);
         match self.advice.iter().find(|a| a.case == case) {
-            Some(advice) => self.run(case, advice.take?),
+            Some(advice) => self.run(case, advice.recommended?),
             None => [Method::IDIM_IV, Method::IDIM_LS].into_iter().find_map(converged),
         }
     }
 
-    /// The error of a run on what it has not seen.
+    /// The error of a run on data not used for its estimate.
     #[must_use]
     pub fn unseen(&self, run: &RunResult) -> Option<Unseen> {
         let kind = if self.validation_recordings.is_empty() { Unseen::LeftOut } else { Unseen::HeldBack };
         run.cross_validation_relative_error_percent.map(kind)
     }
 
-    /// What to look at, where the same method fits another case clearly better: its model holds more than the nominal one.
+    /// The case to look at, if the same method fits another case clearly better: its model covers more than the nominal one.
     fn better_case(&self) -> Option<String> {
         let run = self.recommended_run().filter(|_| self.verdict != Some(Verdict::DoNotUse))?;
         let errors = |r: &RunResult| Some((r.relative_error_percent?, self.unseen(r)?.percent()));
@@ -149,11 +149,11 @@ impl Results {
             others.filter_map(|r| Some((r, errors(r)?))).filter(|(_, (f, u))| *f < fit && *u < BETTER * unseen);
         let (other, (other_fit, other_unseen)) = better.min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
         Some(format!(
-            "take case {} instead if its model is right for you: it fits better, {} % (unseen {} %) against {} % (unseen {} %)",
+            "use case {} instead if its model is right for you: it fits better, {} % instead of {} % (on data not used {} % instead of {} %)",
             other.case,
             significant(other_fit, 3),
-            significant(other_unseen, 3),
             significant(fit, 3),
+            significant(other_unseen, 3),
             significant(unseen, 3)
         ))
     }
@@ -171,8 +171,8 @@ impl Results {
         self.robot_joints.get(joint).map_or_else(|| format!("joint {number}"), |j| j.label(number))
     }
 
-    /// What mends the data, where that is what is wrong, as all else may follow from it; or else the remedies of the reasons,
-    /// then that of parameters which the motion does not show.
+    /// Only fixes to the data if the data are wrong, as other findings may disappear with them; otherwise the remedies of the reasons,
+    /// then that of parameters which the motion does not excite.
     fn actions(&self) -> Vec<String> {
         let of_data = self.verdict_reasons.iter().filter(|r| r.is_of_data()).map(|r| &r.remedy);
         let of_data = distinct(of_data, ACTIONS - 1);
@@ -203,7 +203,7 @@ impl Card {
         self.parameters.iter().map(Vec::len).sum()
     }
 
-    /// How many times the error of the fit the error on what was not seen is.
+    /// The error on data not used over the error of the fit.
     #[must_use]
     pub fn times_unseen(&self) -> Option<f64> {
         let times = self.unseen?.percent() / self.relative_error_percent?;
@@ -212,7 +212,7 @@ impl Card {
 }
 
 impl RunResult {
-    /// Whether a robot made of bodies has its estimates.
+    /// Whether its estimates are physically consistent.
     fn physically(&self) -> Option<Physical> {
         let physical = self.physical.as_ref()?;
         let mut findings = physical.findings.iter().filter(|f| f.code == Code::NotPhysical);
@@ -225,18 +225,18 @@ impl RunResult {
 }
 
 impl RunResult {
-    /// What to do before the numbers simulate a robot, where no robot has them.
+    /// What to do before simulating, if the estimates are inconsistent.
     fn before_simulation(&self) -> Option<&'static str> {
         let physical = self.physical.as_ref().filter(|p| !p.consistent)?;
         Some(match physical.estimate {
-            Some(_) => "take the physically consistent estimate for simulation and control",
+            Some(_) => "use the physically consistent estimate for simulation and control",
             None => "set physical = true in [parameters] before simulating with them",
         })
     }
 }
 
 impl VerdictReason {
-    /// Whether the data forbid the numbers: whatever else is wrong may follow from that.
+    /// Whether the data are wrong, which may cause everything else.
     fn is_of_data(&self) -> bool {
         let of_data = match self.code {
             ReasonCode::CheckProblem | ReasonCode::RecordingsDisagree | ReasonCode::DriveGain => true,
@@ -257,7 +257,7 @@ impl VerdictReason {
         of_data && self.verdict == Verdict::DoNotUse
     }
 
-    /// What was seen: the text without what to do.
+    /// The observation: the text without the remedy.
     #[must_use]
     pub fn seen(&self) -> &str {
         let text = self.text.trim_end_matches('.');
@@ -305,14 +305,14 @@ mod tests {
             code: ReasonCode::FewRows,
             verdict: Verdict::Care,
             numbers: BTreeMap::new(),
-            concerned: ReasonSubject::default(),
+            subject: ReasonSubject::default(),
             text: format!("Rows are few; {remedy}."),
             remedy: remedy.to_owned(),
         }
     }
 
     #[test]
-    fn it_gathers_what_the_results_hold() {
+    fn it_summarizes_the_results() {
         let mut results = results();
         results.verdict_reasons = ["one", "two", "one", "three", "four"].map(reason).into();
         let card = results.card();
@@ -326,7 +326,7 @@ mod tests {
     const BEFORE_SIMULATION: &str = "set physical = true in [parameters] before simulating with them";
 
     #[test]
-    fn who_simulates_is_warned_once_and_not_where_no_number_is_to_be_used() {
+    fn a_simulation_is_warned_of_once_and_not_if_no_number_is_usable() {
         let mut results = results();
         let of_bodies = reason("give ia2, with physical = true");
         results.verdict_reasons = vec![VerdictReason { code: ReasonCode::NotPhysical, ..of_bodies }];
@@ -338,7 +338,7 @@ mod tests {
     }
 
     #[test]
-    fn where_the_data_forbid_the_numbers_they_are_to_be_mended_first() {
+    fn wrong_data_must_be_fixed_first() {
         let mut results = results();
         results.verdict_reasons = ["exchange them", "", "set it"].map(reason).into();
         results.verdict_reasons[0].code = ReasonCode::CheckProblem;
@@ -348,9 +348,9 @@ mod tests {
     }
 
     #[test]
-    fn without_a_method_to_take_it_has_no_numbers() {
+    fn without_a_recommended_method_it_has_no_numbers() {
         let mut results = results();
-        results.advice[0].take = None;
+        results.advice[0].recommended = None;
         let card = results.card();
         assert_eq!((card.method, card.relative_error_percent), (None, None));
         assert!(card.parameters.iter().all(Vec::is_empty), "{card:?}");
@@ -359,7 +359,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_seen_is_the_text_without_the_remedy() {
+    fn the_observation_is_the_text_without_the_remedy() {
         assert_eq!(reason("record longer").seen(), "Rows are few");
         let of_before = VerdictReason { remedy: String::new(), text: "Rows are few: record.".to_owned(), ..reason("") };
         assert_eq!(of_before.seen(), "Rows are few: record");

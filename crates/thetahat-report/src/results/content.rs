@@ -17,15 +17,16 @@ use super::{
 use thetahat_estimation::identification::Method;
 use thetahat_model::robot::{LockedJoint, RobotFile};
 
-/// Version of the form of `results.json`: it grows where a program of before would misread the file.
-pub const SCHEMA: u32 = 1;
+/// Version of the form of `results.json`. It rises when an older program would misread the file. Schema 2 renamed keys: see the
+/// aliases of the fields; files with schema 0 and 1 are still read.
+pub const SCHEMA: u32 = 2;
 
 pub use thetahat_estimation::simulation::NOMINAL;
 
-/// What an experiment gives: the content of `results.json`, and the curves of the report.
+/// The results of an experiment: the content of `results.json`, and the curves of the report.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Results {
-    /// Version of the form of the file: [`SCHEMA`], or 0 where it was read from a file of before that key.
+    /// Version of the form of the file: [`SCHEMA`], or the version of the file that was read; 0 if the file has no such key.
     #[serde(default)]
     pub schema: u32,
     /// Version of this program.
@@ -34,76 +35,76 @@ pub struct Results {
     pub robot: String,
     /// Title of the experiment.
     pub title: String,
-    /// What the results are good for; none where they were read from a file of before that key.
+    /// Whether the results can be used; `null` in files from before this key.
     #[serde(default)]
     pub verdict: Option<Verdict>,
-    /// Why they are not good, the gravest first.
+    /// Why the verdict is not good, the most serious reason first.
     #[serde(default)]
     pub verdict_reasons: Vec<VerdictReason>,
     /// Reasons that could not be examined, as the results come from a reduction.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub not_examined: Vec<NotExamined>,
-    /// The joints, one for each coordinate: the order of all numbers that are given joint by joint. Empty where it was
+    /// The joints, one for each coordinate, in the order of all numbers that are given per joint. Empty if it was
     /// read from a file of schema 0.
     #[serde(default)]
     pub robot_joints: Vec<JointResult>,
-    /// The joints of the robot's description that were locked, rad or m.
+    /// The joints of the robot's description that were locked, with their values in rad or m.
     #[serde(default)]
     pub robot_locked: Vec<LockedJoint>,
-    /// Samples in the windows of the recordings that were identified from.
+    /// Samples in the windows of the recordings used for identification.
     pub samples_used: usize,
     /// Rows of y.
     pub decimated_rows: usize,
-    /// The recordings that were identified from.
+    /// The recordings used for identification.
     pub recordings: Vec<RecordingResult>,
-    /// Those held back.
+    /// The recordings held back for validation.
     pub validation_recordings: Vec<RecordingResult>,
-    /// Bandwidths asked for and measured.
+    /// Bandwidths requested and measured.
     pub bandwidth: Bandwidth,
-    /// Seed of the simulated record's noise.
+    /// Seed of the noise of the simulated recording.
     pub seed: Option<u64>,
-    /// What the checks found in the recordings.
+    /// The findings of the checks in the recordings.
     #[serde(default)]
     pub findings: Vec<RecordingFindings>,
-    /// Standard parameters taken as zero. Here and below, nothing where it was read from a file of before that key.
+    /// Standard parameters set to zero. This key and those below that may be absent are empty if the file was written before them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub excluded_parameters: Vec<String>,
-    /// Standard parameters at given values, SI.
+    /// Standard parameters fixed at given values, SI.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub fixed_parameters: BTreeMap<String, f64>,
-    /// The elimination, where essential parameters were sought.
+    /// The elimination, if essential parameters were requested.
     pub elimination: Option<EliminationResult>,
-    /// What samples near rest would change, where they were left out.
-    #[serde(default)]
+    /// How samples near rest would change the estimates, if they were left out.
+    #[serde(default, alias = "with_rest")]
     pub unmasked_comparison: Option<UnmaskedComparison>,
-    /// Constants of torque terms that were searched for.
+    /// Constants of torque terms that were found by a search.
     #[serde(default)]
     pub profiled_terms: Vec<ProfiledTerm>,
-    /// Laws of torque terms compared, where that was asked for.
+    /// Comparison of laws of torque terms, if requested.
     #[serde(default)]
     pub term_comparison: Option<TermComparison>,
-    /// Which numbers of each case to take, and why.
+    /// Which method to use in each case, and why.
     #[serde(default)]
     pub advice: Vec<Advice>,
-    /// What tells the methods of each case apart.
+    /// Tests that compare the methods of each case.
     #[serde(default)]
     pub diagnostics: Vec<CaseDiagnosis>,
     /// Every case and method.
     pub runs: Vec<RunResult>,
-    /// What estimators of the user's own found: the verdict, the advice and exports know nothing of them.
+    /// The estimates of the user's own estimators. The verdict, the advice and exports do not use them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub user_runs: Vec<UserRun>,
     /// The payloads that were estimated.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub payloads: Vec<PayloadResult>,
-    /// The gains of the drives by a known payload, joint by joint; empty where no recording carries one.
+    /// The gains of the drives estimated with a known payload, per joint; empty without a recording with a known payload.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub drive_gains: Vec<DriveGainResult>,
     /// The text of the experiment file.
     pub experiment_description: String,
     /// The text of the robot description.
     pub robot_description: String,
-    /// The files that it was read from, with their hashes. Empty where it was read from a file of before that key.
+    /// The files of the robot description, with their hashes. Empty in files from before this key.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub robot_files: Vec<RobotFile>,
     /// Curves for the report.

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-/// Curves that all runs share; joint by joint as in y.
+/// Curves shared by all runs, per joint as in y.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Plots {
     /// Time of each decimated row of a joint, s; the recordings follow one another.
@@ -11,9 +11,9 @@ pub struct Plots {
     pub position: Vec<Vec<f64>>,
     /// The recordings, in their order.
     pub recordings: Vec<RecordStart>,
-    /// The recordings that were held back.
+    /// The recordings held back for validation.
     pub held_back: HeldBackPlots,
-    /// The robot in its mean pose; none where nothing is known of it.
+    /// The robot in its mean pose; none without a description.
     pub skeleton: Option<Skeleton>,
 }
 
@@ -26,7 +26,7 @@ pub struct RecordStart {
     pub row: usize,
 }
 
-/// Curves of the recordings that were held back.
+/// Curves of the recordings held back for validation.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct HeldBackPlots {
     /// Time of each decimated row of a joint, s; the recordings follow one another.
@@ -42,7 +42,7 @@ pub struct HeldBackPlots {
 pub struct Skeleton {
     /// One frame for each joint, in the order of the joints, at the mean of the recorded positions.
     pub frames: Vec<Frame>,
-    /// The way of the last joint's origin in the recordings, m.
+    /// The path of the last joint's origin in the recordings, m.
     pub tool_path: Vec<[f64; 3]>,
     /// Gravity, m/s^2.
     pub gravity: [f64; 3],
@@ -55,7 +55,7 @@ pub struct Frame {
     pub parent: Option<usize>,
     /// Its origin, m.
     pub origin: [f64; 3],
-    /// Its z axis, along which or about which the joint moves.
+    /// Its z axis: the axis of the joint.
     pub axis: [f64; 3],
 }
 
@@ -66,24 +66,24 @@ pub struct RunPlots {
     pub predicted: Vec<Vec<f64>>,
     /// Simulated positions, one vector per joint; empty without a simulation.
     pub simulated_position: Vec<Vec<f64>>,
-    /// `y_hat` of the recordings that were held back, one vector per joint; empty where none were.
+    /// `y_hat` of the recordings held back for validation, one vector per joint; empty without such recordings.
     pub held_back: Vec<Vec<f64>>,
-    /// What the residual depends on, joint by joint.
+    /// The residual over other quantities, per joint.
     pub residual: Vec<ResidualCurves>,
-    /// Classical correlations of the estimates' errors, a row for each parameter, in their order.
+    /// Classical correlations of the estimation errors, a row for each parameter, in their order.
     pub correlation: Vec<Vec<f64>>,
-    /// The number of the link, joint or motor that each parameter is of, from one.
+    /// The number of the link, joint or motor of each parameter, from one.
     pub numbers: Vec<usize>,
-    /// The a-priori value of each parameter; none where one of those that it is made of is not known a priori.
+    /// The a-priori value of each parameter; none if one of its standard parameters has no a-priori value.
     pub a_priori: Vec<Option<f64>>,
 }
 
-/// What the residual of one joint depends on.
+/// The residual of one joint over other quantities.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResidualCurves {
     /// Correlation of rows that are 1, 2, 3, ... rows apart.
     pub autocorrelation: Vec<f64>,
-    /// What 95 % of the correlations of white rows do not exceed.
+    /// The 95 % bound of the correlations of white rows.
     pub band: f64,
     /// Frequency, Hz, and one-sided power spectral density, square of the torque's unit per Hz.
     pub spectrum: Vec<[f64; 2]>,
@@ -95,13 +95,13 @@ pub struct ResidualCurves {
     pub over_torque: Vec<Bin>,
 }
 
-/// The residual where another quantity lies within a range.
+/// The residual in a range of another quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bin {
     /// Mean of the other quantity.
     pub at: f64,
     /// Mean of the residual.
     pub mean: f64,
-    /// Quantiles of 10 % and 90 % of the residual.
+    /// The 10 % and 90 % quantiles of the residual.
     pub spread: [f64; 2],
 }

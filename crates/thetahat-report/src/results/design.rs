@@ -4,10 +4,10 @@ use super::{Grade, JointResult, Limited, ParameterResult, Skeleton};
 use thetahat_estimation::trajectory::Moves;
 use thetahat_ground::series::Series;
 
-/// A designed motion, and what its record will tell.
+/// A designed motion, and the predicted intervals of its recording.
 #[derive(Debug, Clone)]
 pub struct DesignResults {
-    /// The design's line that says what it is.
+    /// The title of the design.
     pub title: String,
     /// Name of the robot.
     pub robot: String,
@@ -23,23 +23,23 @@ pub struct DesignResults {
     pub ddq: Series,
     /// Torques with the a-priori parameters, N m or N.
     pub torque: Series,
-    /// The moves, where the motion is made of such: the last ends where the first starts.
+    /// The moves, if the motion consists of moves: the last ends where the first starts.
     pub moves: Option<Moves>,
-    /// How many of them, the last ones, are sweeps of single joints.
+    /// How many of the last moves are sweeps of single joints.
     pub sweeps: usize,
-    /// The robot where its shapes are nearest to one another, or else where it starts, and the way of its last joint.
+    /// The robot where its shapes are closest, or otherwise at its start, and the path of its last joint.
     pub skeleton: Option<Skeleton>,
-    /// What frequencies the motion has.
+    /// The frequencies of the motion.
     pub spectrum: MotionSpectrum,
-    /// Distances of shapes, where the design has some.
+    /// Distances between shapes, if the design has collision shapes.
     pub collision: Option<CollisionResults>,
-    /// The criterion if the last recording at hand were repeated for the same time, nats.
+    /// The criterion if the last prior recording were repeated for the same time, nats.
     pub repeated: Option<f64>,
-    /// Title and method of the results that are compared with.
+    /// Title and method of the results used for comparison.
     pub compared: Option<[String; 2]>,
-    /// The payload that the robot carries.
+    /// The payload of the robot.
     pub payload: Option<PredictedPayload>,
-    /// Robots that were drawn and how far off each parameter of them is, percent: torque and power hold for all.
+    /// Number of random robots and the error of each of their parameters, percent: torque and power limits hold for all.
     pub uncertainty: Option<(usize, f64)>,
     /// Name of the criterion.
     pub criterion: String,
@@ -47,80 +47,80 @@ pub struct DesignResults {
     pub starts: Vec<SearchResult>,
     /// The limits, each joint's in the order of [`Limited::ALL`].
     pub limits: Vec<LimitUse>,
-    /// What is predicted of each parameter.
+    /// The prediction for each parameter.
     pub predicted: Vec<PredictedParameter>,
-    /// Name of the method that is predicted.
+    /// Name of the method of the prediction.
     pub method: String,
-    /// Whether the prediction is of the simulated closed loop.
+    /// Whether the prediction uses the simulated closed loop.
     pub is_closed_loop: bool,
-    /// Half of an interval that is wanted, percent.
+    /// Requested half width of an interval, percent.
     pub half_width_percent: f64,
-    /// The experiment file for the record, without the robot's path.
+    /// The experiment file for the recording, without the robot's path.
     pub experiment: ExperimentText,
 }
 
-/// The frequencies of a motion beside those that its record can have.
+/// The frequencies of a motion compared with those that its recording can contain.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MotionSpectrum {
-    /// Frequencies at equal steps, Hz.
+    /// Equally spaced frequencies, Hz.
     pub frequency_hz: Vec<f64>,
-    /// Root of the density of each joint's acceleration, over the largest of it.
+    /// Root of the spectral density of each joint's acceleration, over its maximum.
     pub of_joints: Vec<Vec<f64>>,
     /// The frequency below which 99 % of the variance of each joint's acceleration lies, Hz.
     pub end_hz: Vec<f64>,
-    /// What ends at a frequency: filters and loops.
+    /// The bandwidths of filters and loops.
     pub bounds: Vec<SpectrumBound>,
 }
 
-/// A filter or a loop, and the frequency where it ends.
+/// A filter or a loop, and its bandwidth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectrumBound {
-    /// What it is.
+    /// Its name.
     pub name: &'static str,
-    /// Where it ends, Hz.
+    /// Its bandwidth, Hz.
     pub frequency_hz: f64,
 }
 
 /// One search.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SearchResult {
-    /// The criterion of the random motion that it began with, nats.
+    /// The criterion of the random motion at its start, nats.
     pub first: f64,
-    /// The criterion of the motion that it found, nats.
+    /// The criterion of the motion at its end, nats.
     pub found: f64,
     /// Its steps.
     pub steps: usize,
 }
 
-/// How near shapes come to one another, at 1 kHz.
+/// Smallest distances between shapes, at 1 kHz.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CollisionResults {
-    /// The least distance that is allowed, m.
+    /// The smallest distance allowed, m.
     pub margin: f64,
-    /// The least distance of any pair at instants of the motion: time in s, distance in m.
+    /// The smallest distance of any pair over the motion: time in s, distance in m.
     pub least: Vec<[f64; 2]>,
-    /// Every pair that must stay apart, the nearest first.
+    /// Every pair that must stay apart, the closest first.
     pub pairs: Vec<PairDistance>,
     /// Links whose shape is not known: a mesh, and no capsule is given.
     pub uncovered: Vec<String>,
-    /// Whether the way from home is covered.
+    /// Whether the path from home is covered.
     pub has_way: bool,
 }
 
-/// The least distance of two shapes.
+/// The smallest distance of two shapes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PairDistance {
     /// A link.
     pub first: String,
     /// Another, or an obstacle.
     pub second: String,
-    /// Their least distance, m.
+    /// Their smallest distance, m.
     pub distance: f64,
-    /// When, s; none where it is on the way from home.
+    /// When, s; none on the path from home.
     pub at_s: Option<f64>,
 }
 
-/// How far a motion uses a limit, SI.
+/// How much of a limit a motion uses, SI.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LimitUse {
     /// Name of the joint.
@@ -133,13 +133,13 @@ pub struct LimitUse {
     pub limit: [f64; 2],
     /// Smallest and largest value at 1 kHz.
     pub reached: [f64; 2],
-    /// When the motion is nearest to the limit, s.
+    /// When the motion is closest to the limit, s.
     pub at_s: f64,
-    /// The largest part of the limit that is used, from the middle of its range.
+    /// The largest share of the limit that is used, from the middle of its range.
     pub part: f64,
 }
 
-/// What is predicted of a base parameter.
+/// The prediction for a base parameter.
 #[derive(Debug, Clone, Serialize)]
 pub struct PredictedParameter {
     /// Name.
@@ -148,24 +148,24 @@ pub struct PredictedParameter {
     pub unit: String,
     /// Regrouping formula.
     pub expression: String,
-    /// Number of the joint whose torque shows it first, from one.
+    /// Number of the first joint whose torque depends on it, from one.
     pub joint: usize,
     /// Its a-priori value.
     pub a_priori: f64,
-    /// Expected standard deviation.
+    /// Predicted standard deviation.
     pub standard_deviation: f64,
-    /// Expected half of the interval of 95 %.
+    /// Predicted half width of the 95 % interval.
     pub half_width_95: f64,
-    /// How long to record for the half width that is wanted, s: the motion is repeated. None where the a-priori value is zero.
+    /// Recording time for the requested half width, s, by repeating the motion; none if the a-priori value is zero.
     pub seconds: Option<f64>,
-    /// Where it stays unknown: how many times as narrow its interval is by a motion that is made for such parameters alone.
-    pub by_own_motion: Option<f64>,
-    /// Its estimate in the results that are compared with.
+    /// If its interval contains zero: how many times narrower its interval is with a motion designed for such parameters alone.
+    pub narrower_by_own_motion: Option<f64>,
+    /// Its estimate in the results used for comparison.
     pub compared: Option<ParameterResult>,
 }
 
 impl PredictedParameter {
-    /// How many times smaller the predicted interval is than that of the results that are compared with.
+    /// How many times smaller the predicted interval is than that of the results used for comparison.
     #[must_use]
     pub fn times_smaller(&self) -> Option<f64> {
         let [low, high] = self.compared.as_ref()?.interval_95?;
@@ -174,13 +174,13 @@ impl PredictedParameter {
 }
 
 impl PredictedParameter {
-    /// How sure it will be, if it is as large as the a-priori value says.
+    /// Its predicted grade, if the a-priori value is right.
     #[must_use]
     pub fn grade(&self) -> Grade {
         self.as_result().grade_of_interval()
     }
 
-    /// As if it had been estimated with its a-priori value.
+    /// The result of an estimate equal to its a-priori value.
     #[must_use]
     pub fn as_result(&self) -> ParameterResult {
         let (value, half) = (self.a_priori, self.half_width_95);
@@ -200,7 +200,7 @@ impl PredictedParameter {
     }
 }
 
-/// A known payload, and what a record with it tells beside one without it.
+/// A known payload, and the predicted drive gains from recordings with and without it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PredictedPayload {
     /// Its name.
@@ -211,25 +211,25 @@ pub struct PredictedPayload {
     pub gains: Vec<PredictedGain>,
 }
 
-/// What is predicted of the gain of a drive.
+/// The prediction for the gain of a drive.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PredictedGain {
     /// The joint.
     pub joint: String,
-    /// Half of its expected interval of 95 %, percent; none where it is not told.
+    /// Half of its predicted 95 % interval, percent; none if it is not identifiable.
     pub half_width_percent: Option<f64>,
 }
 
-/// The text of the experiment that follows a design, in parts between which the path of the robot stands.
+/// The text of the experiment for a design, in parts; the path of the robot goes between them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExperimentText {
-    /// Where the robot's description is.
+    /// Path of the robot's description.
     pub robot: std::path::PathBuf,
     /// The title.
     pub title: String,
     /// The tables of the recording.
     pub recording: String,
-    /// The tables of the simulated robot instead of it.
+    /// The tables of the simulated robot instead of the recording.
     pub twin: String,
     /// The tables of the settings.
     pub settings: String,

@@ -1,4 +1,4 @@
-//! What the diagnosis of a run gives.
+//! Results of the diagnosis of a run.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use thetahat_estimation::{
     statistics::{ChiSquaredTest, FTest},
 };
 
-/// What the residual of one run says.
+/// Tests of the residual of one run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ResidualResult {
     /// Joint by joint.
@@ -24,7 +24,7 @@ pub struct JointResidual {
     pub joint: usize,
     /// Root mean square, N m or N.
     pub rms: f64,
-    /// Correlation of neighbouring rows.
+    /// Correlation of adjacent rows.
     pub autocorrelation: f64,
     /// The Ljung-Box test of white rows.
     pub whiteness: Option<ChiSquaredTest>,
@@ -35,83 +35,83 @@ pub struct JointResidual {
     pub explained: Option<Explained>,
 }
 
-/// The model of a joint against one constant.
+/// F-test of the model of a joint against a constant torque.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Explained {
-    /// The F-test, with as many rows as independent ones of the residual are worth.
+    /// The F-test, with the effective number of independent rows of the residual.
     #[serde(flatten)]
     pub test: FTest,
-    /// Where the F-test is not certain: robust deviations by which the torque is explained better than the same torque shifted
-    /// against the motion.
-    #[serde(default)]
-    pub stands_out: Option<f64>,
+    /// If the F-test is not decisive: robust deviations by which the model explains the torque better than the same torque shifted
+    /// in time against the motion.
+    #[serde(default, alias = "stands_out")]
+    pub deviations_above_shifted: Option<f64>,
 }
 
 impl Explained {
-    /// Probability of the F-test from which chance is not excluded.
+    /// Probability of the F-test above which the fit may be due to chance.
     pub const LIMIT: f64 = 1e-4;
-    /// Deviations from the shifted torques up to which it is not either.
+    /// Deviations from the shifted torques below which the fit may be due to chance.
     pub const LIMIT_DEVIATIONS: f64 = 4.0;
 
-    /// Whether chance is enough to explain what the model explains.
+    /// Whether the fit of the model may be due to chance.
     #[must_use]
     pub fn is_by_chance(&self) -> bool {
-        self.test.p_value > Self::LIMIT && self.stands_out.is_none_or(|z| z < Self::LIMIT_DEVIATIONS)
+        self.test.p_value > Self::LIMIT && self.deviations_above_shifted.is_none_or(|z| z < Self::LIMIT_DEVIATIONS)
     }
 }
 
-/// The part of the record without which the estimates change most.
+/// The part of the recording whose removal changes the estimates most.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Influence {
     /// The move, part or recording.
     pub part: String,
-    /// The parameter that changes most in its standard deviations with correlated errors.
+    /// The parameter that changes most, in its standard deviations with correlated errors.
     pub parameter: String,
-    /// Its change in standard deviations when the part is left out.
+    /// Its change in standard deviations without the part.
     pub change: f64,
 }
 
-/// An error that an estimate's residual hardly shows, and no interval holds.
+/// An error that hardly shows in the residual and that the intervals do not include.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum HiddenError {
-    /// The torques of all joints are late; its size is the delay, s.
+    /// The torques of all joints are delayed; the size is the delay, s.
     LateTorque,
-    /// Friction of a joint is larger near rest and falls to `1/e` of that at a tenth of the largest velocity; its size is the
-    /// friction at rest less the Coulomb friction, N m or N.
+    /// Friction of a joint is larger near rest and falls to `1/e` of that at a tenth of the largest velocity; the size is the
+    /// friction at rest minus the Coulomb friction, N m or N.
     FrictionNearRest,
 }
 
-/// The bias of a run by an error of the largest size that the record leaves possible.
+/// The bias of a run by an error of the largest size that the recording allows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct HiddenBias {
     /// The error.
     pub error: HiddenError,
-    /// The coordinate that it belongs to, counted from one; none where it belongs to all.
+    /// The coordinate of the error, counted from one; `null` for an error of all coordinates.
     pub joint: Option<usize>,
-    /// 95 % interval of the error's size, which is estimated beside the parameters.
+    /// 95 % interval of the error's size, which is estimated together with the parameters.
     pub size_interval_95: [f64; 2],
-    /// The parameter that it moves by most of its standard deviations.
+    /// The parameter with the largest shift in its standard deviations.
     pub parameter: String,
-    /// By how many standard deviations with correlated errors, at the end of the interval that moves it further.
+    /// Its shift in standard deviations with correlated errors, at the end of the interval with the larger shift.
     pub deviations: f64,
-    /// The other parameters that this end moves by more than half of their 95 % interval.
+    /// The other parameters that shift by more than half of their 95 % interval at this end.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub others: Vec<MovedParameter>,
 }
 
-/// A parameter that an error moves.
+/// A parameter that an error shifts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MovedParameter {
     /// Its name.
     pub parameter: String,
-    /// By how many of its standard deviations with correlated errors.
+    /// Its shift in standard deviations with correlated errors.
     pub deviations: f64,
 }
 
 impl HiddenBias {
-    /// By how many of its standard deviations it moves a parameter; none where that is less than half of the interval and another
-    /// moves further.
+    /// The shift of a parameter in its standard deviations; none if it is less than half of the interval and another
+    /// parameter shifts more.
     #[must_use]
     pub fn deviations_of(&self, parameter: &str) -> Option<f64> {
         if self.parameter == parameter {
@@ -120,7 +120,7 @@ impl HiddenBias {
         self.others.iter().find(|moved| moved.parameter == parameter).map(|moved| moved.deviations)
     }
 
-    /// Whether the residual shows the error: its interval has no zero.
+    /// Whether the residual shows the error: its interval excludes zero.
     #[must_use]
     pub fn is_seen(&self) -> bool {
         let [from, to] = self.size_interval_95;
@@ -128,7 +128,7 @@ impl HiddenBias {
     }
 }
 
-/// What one case says of its methods.
+/// Tests that compare the methods of one case.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct CaseDiagnosis {
     /// The case.
@@ -144,10 +144,10 @@ pub struct CaseDiagnosis {
     pub approximation: Option<ApproximationResult>,
 }
 
-/// DIDIM against CLIE: what the approximation of the sensitivities by phi, equations (16) and (17), leaves out.
+/// DIDIM against CLIE: the error of approximating the sensitivities by phi, equations (16) and (17).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ApproximationResult {
-    /// Whether an estimate differs by more than its deviation.
+    /// Whether an estimate differs by more than its standard deviation.
     pub matters: bool,
     /// Average difference of the estimates in standard deviations of CLIE, with correlated errors.
     pub average_difference: f64,
@@ -155,15 +155,15 @@ pub struct ApproximationResult {
     pub parameters: Vec<ApproximatedParameter>,
 }
 
-/// A parameter of DIDIM beside that of CLIE.
+/// A parameter of DIDIM compared with that of CLIE.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ApproximatedParameter {
     /// Its name.
     pub name: String,
-    /// `100 |Z_i - J_i| / |J_i|`: how far the approximated sensitivity of DIDIM is from the exact one of CLIE, each at its own
+    /// `100 |Z_i - J_i| / |J_i|`: the difference between the approximated sensitivity of DIDIM and the exact one of CLIE, each at its own
     /// estimate.
     pub column_percent: f64,
-    /// DIDIM less CLIE.
+    /// DIDIM minus CLIE.
     pub difference: f64,
     /// The same in standard deviations of CLIE, with correlated errors.
     pub deviations: f64,
@@ -174,24 +174,24 @@ pub struct ApproximatedParameter {
 pub struct EndogeneityResult {
     /// The F-test of the augmented regression, for independent rows of equal variance.
     pub classical: FTest,
-    /// The same with the autocorrelation and the variance of each joint's residual.
+    /// The same test with the autocorrelation and the variance of each joint's residual.
     pub robust: ChiSquaredTest,
     /// Average difference of the estimates in standard deviations of IV.
     pub average_difference: f64,
     /// The parameters that differ most.
     pub parameters: Vec<ParameterDifference>,
-    /// What follows.
+    /// The conclusion.
     pub verdict: Comparison,
 }
 
 /// How strong the instruments are.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct InstrumentResult {
-    /// The conditional first-stage F statistic of each parameter, in their order; empty where the rank is not full.
+    /// The conditional first-stage F statistic of each parameter, in their order; empty if the rank is not full.
     pub f_statistics: Vec<f64>,
     /// The smallest of them.
     pub smallest_f: f64,
-    /// The parameter that has it.
+    /// The parameter with the smallest statistic.
     pub weakest: String,
     /// Rank of `Z^T X`.
     pub rank: usize,
@@ -206,9 +206,9 @@ pub struct BiasedSimulatorResult {
     pub statistic: f64,
     /// Parameters.
     pub freedom: usize,
-    /// What 5 % of the statistics of an unbiased simulator exceed, by parametric bootstrap.
+    /// The 95 % quantile of the statistic of an unbiased simulator, by parametric bootstrap.
     pub threshold: f64,
-    /// Part of those statistics that are at least as large, the record's own counted.
+    /// Share of those statistics that are at least as large, including the measured one.
     pub p_value: f64,
     /// Draws of the bootstrap.
     pub draws: usize,
@@ -216,40 +216,40 @@ pub struct BiasedSimulatorResult {
     pub seed: u64,
     /// Average difference of the estimates in standard deviations of IV.
     pub average_difference: f64,
-    /// DIDIM's residual over IV's: above one, the simulated motion explains the torques worse than the measured one.
+    /// DIDIM's residual over IV's: above one, the simulated motion explains the torques worse than the measured motion.
     pub residual_ratio: f64,
-    /// The average difference below which a bias does little.
+    /// The average difference below which a bias is negligible.
     pub harmless_below: f64,
-    /// What follows.
+    /// The conclusion.
     pub verdict: Comparison,
     /// The parameters that differ most, in standard deviations of IV.
     pub parameters: Vec<ParameterDifference>,
-    /// The part of each joint in the squared torques that the difference stands for, percent.
+    /// The share of each joint in the squared torques that the difference of the estimates causes, percent.
     pub joint_percent: Vec<f64>,
-    /// How large an error of the simulator would explain the difference, the best first; only where the verdict is an alarm.
+    /// The errors of the simulator that would explain the difference, the best explanation first; only if the verdict is an alarm.
     pub explanations: Vec<BiasExplanation>,
 }
 
-/// What a comparison of two estimates says.
+/// The conclusion from a comparison of two estimates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Comparison {
-    /// The difference is no more than noise.
+    /// The difference is within noise.
     Agree,
-    /// It is more than noise, but too small to matter beside the standard deviations.
+    /// It is more than noise, but negligible compared with the standard deviations.
     SmallDifference,
-    /// It is more than noise, and matters.
+    /// It is more than noise and not negligible.
     Alarm,
-    /// It is more than noise, and matters, but DIDIM explains the torques better than IV: the measured motion may be wrong as
+    /// It is more than noise and not negligible, but DIDIM explains the torques better than IV: the measured motion may be wrong as
     /// well as the simulated one.
     Undecided,
-    /// It matters and is no more than noise, but the noise comes from the simulator: the simulated motion explains the
+    /// It is not negligible but within noise, and the noise comes from the simulator: the simulated motion explains the
     /// torques worse than the measured one.
     Unclear,
 }
 
 impl Comparison {
-    /// Whether the estimates that were compared with IV are not to be trusted.
+    /// Whether the estimates that were compared with IV cannot be trusted.
     #[must_use]
     pub fn distrusts(self) -> bool {
         matches!(self, Self::Alarm | Self::Unclear)
@@ -267,28 +267,29 @@ pub struct ParameterDifference {
     pub deviations: f64,
 }
 
-/// The error of the simulator that would explain a difference best.
+/// An error of the simulator that would explain a difference.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct BiasExplanation {
-    /// What would be wrong.
+    /// The quantity in error.
     pub kind: BiasKind,
-    /// The simulator's value over the true one, or less the true one for a delay (s); none where the difference asks for a
+    /// The simulator's value over the true one, or minus the true one for a delay (s); `null` if the difference requires a
     /// factor that is not positive.
     pub simulator_to_true: Option<f64>,
     /// Its standard deviation.
     pub standard_deviation: Option<f64>,
-    /// Part of the statistic that it explains, percent.
+    /// Share of the statistic that it explains, percent.
     pub explained_percent: f64,
 }
 
-/// Which numbers of a case to take.
+/// Which method to use in a case.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Advice {
     /// The case.
     pub case: String,
-    /// The method to take; none where no method has an estimate.
-    pub take: Option<Method>,
-    /// Methods whose estimates are not to be trusted.
+    /// The recommended method; `null` if no method can be recommended.
+    #[serde(alias = "take")]
+    pub recommended: Option<Method>,
+    /// Methods whose estimates cannot be trusted.
     pub distrust: Vec<Method>,
     /// Why, with the numbers.
     pub text: String,

@@ -1,4 +1,4 @@
-//! The one rule for which run's numbers are used.
+//! The rule for the run whose numbers are used.
 
 use super::{content::Results, run::RunResult};
 use thetahat_estimation::identification::Method;
@@ -8,11 +8,11 @@ use thetahat_estimation::identification::Method;
 #[non_exhaustive]
 pub enum NoEstimate {
     /// No method was asked for, and the advice takes none.
-    #[error("the advice takes no method in case {case}; say which with --method, of {}", methods.join(", "))]
+    #[error("the advice takes no method in case {case}; ask for one of {}", methods.join(", "))]
     NotAdvised {
         /// The case.
         case: String,
-        /// The methods that have estimates of it.
+        /// The methods with estimates of this case.
         methods: Vec<String>,
     },
     /// The case has no estimate by any method.
@@ -20,7 +20,7 @@ pub enum NoEstimate {
     NoCase {
         /// The case.
         case: String,
-        /// The runs that have estimates, as `case method`.
+        /// The runs with estimates, as `case method`.
         runs: Vec<String>,
     },
     /// There is no such run, or it has no estimate.
@@ -30,22 +30,22 @@ pub enum NoEstimate {
         case: String,
         /// The method.
         method: Method,
-        /// The runs that have estimates, as `case method`.
+        /// The runs with estimates, as `case method`.
         runs: Vec<String>,
     },
 }
 
 impl Results {
-    /// The estimate of a case by a method, or by the one that the advice takes ([`Results::taken_in`]). Where the advice takes none,
-    /// none is chosen: somebody who has read why must name the method.
+    /// The estimate of a case by a method, or by the recommended one ([`Results::recommended_run_in`]). If the advice recommends none,
+    /// the caller must name the method.
     ///
     /// # Errors
-    /// [`NoEstimate`], with the estimates that there are.
+    /// [`NoEstimate`], with the existing estimates.
     pub fn estimate(&self, case: &str, method: Option<Method>) -> Result<&RunResult, NoEstimate> {
         let case_name = || case.to_owned();
         let estimated = || self.runs.iter().filter(|run| !run.parameters.is_empty());
         let runs = || estimated().map(|run| format!("{} {}", run.case, run.method)).collect();
-        if let Some(method) = method.or_else(|| Some(self.taken_in(case)?.method)) {
+        if let Some(method) = method.or_else(|| Some(self.recommended_run_in(case)?.method)) {
             let found = estimated().find(|run| run.case == case && run.method == method);
             return found.ok_or_else(|| NoEstimate::Absent { case: case_name(), method, runs: runs() });
         }

@@ -16,13 +16,12 @@ pub enum ResultsError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// The file is not JSON of the expected form.
     #[error(
-        "{}: is not the results.json of an identification: {source}; give the results.json that `thetahat identify` \
-         wrote",
+        "{}: is not the results.json of an identification: {source}; give one that an identification wrote",
         path.display()
     )]
     Malformed {
@@ -53,7 +52,7 @@ pub enum ResultsError {
     },
 }
 
-/// The one key that every schema has; a file without it is of schema 0.
+/// The key that every schema has; a file without it has schema 0.
 #[derive(Deserialize)]
 struct SchemaKey {
     #[serde(default)]
@@ -77,7 +76,7 @@ impl Results {
     /// [`ResultsError`] for a text that is not of the expected form or has a larger schema than [`SCHEMA`].
     pub fn from_json(path: &Path, text: &str) -> Result<Self, ResultsError> {
         let malformed = |source| ResultsError::Malformed { path: path.to_owned(), source };
-        // The schema comes first: what a later one holds need not be of the form of this one.
+        // The schema is read first: a later one may have another form.
         let SchemaKey { schema } = serde_json::from_str(text).map_err(malformed)?;
         if schema > SCHEMA.into() {
             return Err(ResultsError::NewerSchema { path: path.to_owned(), found: schema, supported: SCHEMA });
@@ -92,5 +91,65 @@ impl Results {
     pub fn to_json(&self) -> Result<String, ResultsError> {
         let text = serde_json::to_string_pretty(self).map_err(|source| ResultsError::Unwritable { source })?;
         Ok(text + "\n")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A file of schema 1, with every key that schema 2 renamed.
+    const SCHEMA_1: &str = r#"{
+      "schema": 1, "thetahat": "0.1.0", "robot": "A", "title": "T", "samples_used": 100, "decimated_rows": 10,
+      "recordings": [{
+        "name": "1", "weight": 1.0, "samples_used": 100, "sample_rate_hz": 100.0, "window_s": [0.0, 1.0], "resampling": null,
+        "torque_ends_hz": 20.5, "reference": null }],
+      "validation_recordings": [], "seed": null, "elimination": null,
+      "bandwidth": { "position_cutoff_hz": 50.0, "decimation_cutoff_hz": 20.0 },
+      "with_rest": { "relative_error_percent": 6.5, "parameter": "fc1", "deviations": 2.5 },
+      "experiment_description": "", "robot_description": "",
+      "advice": [{ "case": "nominal", "take": "idim-ls", "distrust": [], "text": "" }],
+      "runs": [{
+        "case": "nominal", "method": "idim-ls", "status": "converged", "iterations": 0, "simulations": 0,
+        "joint_relative_error_percent": [5.5], "seconds": 0.1, "convergence": [], "parameters": [],
+        "residual": { "homoscedasticity": null, "joints": [{
+          "joint": 1, "rms": 0.5, "autocorrelation": 0.1, "whiteness": null, "normality": null, "explained": {
+            "statistic": 1.5, "numerator_freedom": 1, "denominator_freedom": 9, "p_value": 0.25, "stands_out": 3.5 } }] },
+        "physical": {
+          "consistent": false, "outside": ["ia1"], "lacking": [0.125], "smallest_eigenvalue": -1.0, "estimate": {
+            "parameters": [{ "name": "ia1", "unit": "", "estimate": 0.0, "beside": -0.125, "interval_95": null }],
+            "standard": [], "known": [], "prior": "log-det", "prior_weight": 0.1, "smallest_eigenvalue": 0.1,
+            "at_boundary": [], "squared_residual_free": 1.0, "squared_residual": 1.5, "relative_error_percent": 5.5,
+            "test": null, "converged": true, "iterations": 7, "seconds": 0.1 } }
+      }]
+    }"#;
+
+    #[test]
+    fn keys_of_schema_1_are_read() {
+        let results = Results::from_json(Path::new("old.json"), SCHEMA_1).unwrap();
+        assert_eq!(results.schema, 1);
+        assert_eq!(results.recordings[0].torque_bandwidth_hz, Some(20.5));
+        assert_eq!(results.unmasked_comparison.as_ref().map(|c| c.deviations), Some(2.5));
+        assert_eq!(results.advice[0].recommended.map(|m| m.to_string()).as_deref(), Some("idim-ls"));
+        let run = &results.runs[0];
+        let explained = run.residual.as_ref().and_then(|r| r.joints[0].explained).unwrap();
+        assert_eq!((explained.test.p_value, explained.deviations_above_shifted), (0.25, Some(3.5)));
+        let physical = run.physical.as_ref().unwrap();
+        assert_eq!(
+            (physical.inconsistent.as_slice(), physical.violations.as_slice()),
+            (&["ia1".to_owned()][..], &[0.125][..])
+        );
+        assert_eq!(physical.estimate.as_ref().unwrap().parameters[0].reference_value, Some(-0.125));
+    }
+
+    #[test]
+    fn files_are_written_with_the_new_keys() {
+        let results = Results::from_json(Path::new("old.json"), SCHEMA_1).unwrap();
+        let text = Results { schema: SCHEMA, ..results }.to_json().unwrap();
+        for old in ["torque_ends_hz", "with_rest", "take", "stands_out", "outside", "lacking", "beside"] {
+            assert!(!text.contains(&format!("\"{old}\":")), "{old}");
+        }
+        let again = Results::from_json(Path::new("new.json"), &text).unwrap();
+        assert_eq!((again.schema, again.to_json().unwrap()), (SCHEMA, text));
     }
 }

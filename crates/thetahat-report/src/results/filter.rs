@@ -5,22 +5,22 @@ use serde::{Deserialize, Serialize};
 pub struct Filter {
     /// Cut-off of the position filter, Hz.
     pub cutoff_hz: f64,
-    /// Every how many samples one is kept, behind the parallel filter.
+    /// One in this many samples is kept after the parallel filter.
     pub decimation: usize,
 }
 
-/// The rms error of the estimates with a filter over the parameters, each in units of the least rms error that any filter gives
-/// it, on a twin of the record.
+/// The rms error of the estimates with a filter, over the parameters, each in units of its smallest rms error with any
+/// filter, on a simulated twin of the recording.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FilterError {
-    /// Of everything.
+    /// The total error.
     pub total: f64,
-    /// Of what the filter and the noise of the positions bring: more data does not make it smaller.
+    /// The bias by the filter and the noise of the positions: more data do not reduce it.
     pub bias: f64,
 }
 
 impl FilterError {
-    /// The geometric mean of several.
+    /// The geometric mean of several errors.
     #[must_use]
     pub fn mean(errors: &[Self]) -> Self {
         let mean =
@@ -34,18 +34,18 @@ impl FilterError {
 pub struct ComparedFilter {
     /// The filter.
     pub filter: Filter,
-    /// The error of the estimates; none where the filter gives no estimate.
+    /// The error of the estimates; none if the filter gives no estimate.
     pub error: Option<FilterError>,
 }
 
-/// The filter that is best for the estimates, and what the others give.
+/// The best filter for the estimates, and the errors with the others.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FilterChoice {
     /// The best filter.
     pub best: Filter,
-    /// The filter of the experiment, where it has one, with its error.
+    /// The filter of the experiment, if it has one, with its error.
     pub own: Option<ComparedFilter>,
-    /// Samples per second of the record.
+    /// Samples per second of the recording.
     pub sample_rate_hz: f64,
     /// The frequency below which nearly all of each joint's velocity lies, Hz.
     pub dynamics_hz: f64,
@@ -60,13 +60,13 @@ impl FilterChoice {
         self.compared.iter().find(|c| c.filter == filter)?.error
     }
 
-    /// How many times larger the error with a filter is than with the best.
+    /// The error with a filter over the error with the best.
     #[must_use]
     pub fn over_best(&self, error: FilterError) -> Option<f64> {
         Some(error.total / self.error_of(self.best)?.total)
     }
 
-    /// The decimations that were compared, falling: the parallel filter's cut-off rises.
+    /// The decimations that were compared, in descending order: the parallel filter's cut-off rises.
     #[must_use]
     pub fn decimations(&self) -> Vec<usize> {
         let mut found: Vec<usize> = self.compared.iter().map(|c| c.filter.decimation).collect();
@@ -76,13 +76,13 @@ impl FilterChoice {
         found
     }
 
-    /// The errors with the best filter and its neighbours, in lines of up to 76 characters: a line for each decimation, on it the
-    /// cut-offs of the position filter with the error over the least.
+    /// The errors with the best filter and its neighbours, in lines of up to 76 characters: a line for each decimation, with the
+    /// cut-offs of the position filter and the error relative to the smallest.
     #[must_use]
     pub fn lines(&self) -> Vec<String> {
         let decimations = self.decimations();
-        let place = decimations.iter().position(|d| *d == self.best.decimation).unwrap_or(0);
-        let near = place.saturating_sub(NEIGHBOURS)..(place + NEIGHBOURS + 1).min(decimations.len());
+        let best = decimations.iter().position(|d| *d == self.best.decimation).unwrap_or(0);
+        let near = best.saturating_sub(NEIGHBOURS)..(best + NEIGHBOURS + 1).min(decimations.len());
         decimations[near].iter().map(|decimation| self.line(*decimation)).collect()
     }
 
@@ -99,7 +99,7 @@ impl FilterChoice {
     }
 }
 
-/// Decimations beside the best that are shown on either side.
+/// Decimations shown on either side of the best.
 const NEIGHBOURS: usize = 2;
 /// Cut-offs of a line.
 const CELLS: usize = 4;

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{parameters::ParameterResult, run::RunResult};
 use thetahat_estimation::checks::{Code, Finding, Severity};
 
-/// Half width of a 95 % interval, of the estimate's size, up to which a parameter is precise.
+/// Largest half width of the 95 % interval of a precise parameter, relative to the estimate.
 const PRECISE: f64 = 0.2;
 
 /// Standard deviations in half of a 95 % interval of normal errors.
@@ -15,13 +15,13 @@ const HALF_WIDTH: f64 = 1.96;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Grade {
-    /// The half of its interval is at most a fifth of the estimate, and no error that the residual shows moves it further.
+    /// The half width of its interval is at most 20 % of the estimate, and no error that the residual shows shifts it by more.
     Precise,
-    /// Its interval is wider, or such an error may move it further; its interval excludes zero.
+    /// Its interval is wider, or such an error may shift it by more; its interval excludes zero.
     Rough,
-    /// Its interval holds zero, or would where such an error moves it; or there is none: the record does not tell it from zero.
+    /// Its interval contains zero, or would contain zero after such a shift, or it has no interval.
     NotIdentified,
-    /// A motor inertia or a friction coefficient whose interval lies below zero: no robot has it.
+    /// A motor inertia or a friction coefficient whose interval lies below zero: physically impossible.
     Impossible,
 }
 
@@ -42,7 +42,7 @@ impl Grade {
 }
 
 impl ParameterResult {
-    /// The standard deviation with correlated errors, or else the classical one.
+    /// The standard deviation with correlated errors, or the classical one if there is none.
     #[must_use]
     pub fn deviation(&self) -> Option<f64> {
         self.standard_deviation_robust.or(self.standard_deviation)
@@ -62,7 +62,7 @@ impl ParameterResult {
         self.interval_95.or_else(|| self.half_width().map(about))
     }
 
-    /// How well its interval says that it is known.
+    /// Its grade by its interval alone.
     pub(super) fn grade_of_interval(&self) -> Grade {
         match self.half_width() {
             Some(half) if half <= PRECISE * self.estimate.abs() => Grade::Precise,
@@ -84,8 +84,8 @@ impl RunResult {
         if shift + half >= parameter.estimate.abs() { Grade::NotIdentified } else { grade.max(Grade::Rough) }
     }
 
-    /// By how much an error that the residual shows may have moved a parameter, where that is further than its interval and than a
-    /// precise one is uncertain.
+    /// Possible shift of a parameter by an error that the residual shows, if that exceeds its interval and the uncertainty of a
+    /// precise parameter.
     pub(crate) fn may_be_moved(&self, parameter: &ParameterResult) -> Option<f64> {
         let seen = self.hidden_bias.iter().filter(|b| b.is_seen());
         let shifts = seen.filter_map(|b| Some((b.deviations_of(&parameter.name)? * parameter.deviation()?).abs()));
@@ -98,7 +98,7 @@ impl RunResult {
         self.parameters.iter().filter(move |p| self.grade(p) == grade)
     }
 
-    /// The names of the parameters whose intervals hold nothing that a robot can have: findings about one joint are those of a
+    /// The names of the parameters with physically impossible intervals: findings about one joint are those of a
     /// parameter that is negative.
     fn impossible(&self) -> impl Iterator<Item = &String> {
         let findings = self.physical.iter().flat_map(|p| &p.findings);
@@ -162,7 +162,7 @@ mod tests {
         };
         assert_eq!(grade(bias([4.2, 5.5], -9.2)), Grade::Rough, "2.5 of 8.0");
         assert_eq!(grade(bias([4.2, 5.5], -3.0)), Grade::Precise, "0.8 of 8.0");
-        assert_eq!(grade(bias([4.2, 5.5], 28.0)), Grade::NotIdentified, "7.6 of 8.0, beside an interval of 0.5");
+        assert_eq!(grade(bias([4.2, 5.5], 28.0)), Grade::NotIdentified, "7.6 of 8.0, with an interval of 0.5");
         assert_eq!(grade(bias([-1.0, 5.5], -9.2)), Grade::Precise, "the residual does not show it");
         let others = vec![MovedParameter { parameter: "fc2".to_owned(), deviations: 9.2 }];
         let of_another = HiddenBias { parameter: "fv2".to_owned(), others, ..bias([4.2, 5.5], 12.0) };

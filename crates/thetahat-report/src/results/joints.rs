@@ -2,7 +2,7 @@ use serde::{Deserialize, Serialize};
 
 use thetahat_model::robot::{JointKind, Robot};
 
-/// Longest name before a number that says no more than "joint".
+/// Longest prefix of a numbered name that says no more than "joint".
 const LONGEST_PREFIX: usize = 6;
 
 /// A joint whose position is one of the robot's coordinates.
@@ -33,7 +33,7 @@ impl JointResult {
         robot.coordinates().map(|joint| result(&joint.name, joint.kind)).collect()
     }
 
-    /// The joint by its number from one, with its name where that says more than the number: "joint 7 (wrist)".
+    /// The joint's number from one, with its name if that says more than the number: "joint 7 (wrist)".
     #[must_use]
     pub fn label(&self, number: usize) -> String {
         let bare = self.name.trim_end_matches(|c: char| c.is_ascii_digit());

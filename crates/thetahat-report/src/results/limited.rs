@@ -38,7 +38,7 @@ impl Limited {
         }
     }
 
-    /// Which derivative of the position it is; none where dynamics come in.
+    /// Its order as a derivative of the position; none for quantities that depend on dynamics.
     #[must_use]
     pub fn order(self) -> Option<usize> {
         match self {
@@ -50,7 +50,7 @@ impl Limited {
         }
     }
 
-    /// A value in SI as a design file has it: degrees or mm, N m or N, W.
+    /// A value in SI converted to the units of a design file: degrees or mm, N m or N, W.
     #[must_use]
     pub fn to_file(self, kind: JointKind, value: f64) -> f64 {
         if self.order().is_some() { kind.to_file(value) } else { value }

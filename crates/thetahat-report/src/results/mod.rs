@@ -1,15 +1,15 @@
-//! What a run yields, as plain data: the content of `results.json`, and the values that the report and exports show.
+//! The results of a run as plain data: the content of `results.json`, and the values that the report and exports show.
 //!
 //! [`Results::read`] and [`Results::to_json`] are the one place that reads and writes `results.json`. Reports and exports
 //! import this room and no room that computes.
 //!
 //! ```
 //! use std::path::Path;
-//! use thetahat::results::Results;
+//! use thetahat_report::results::Results;
 //!
-//! # fn main() -> Result<(), thetahat::results::ResultsError> {
+//! # fn main() -> Result<(), thetahat_report::results::ResultsError> {
 //! let text = r#"{
-//!   "schema": 1, "thetahat": "0.1.0", "robot": "EMPS", "title": "One axis", "samples_used": 100, "decimated_rows": 10,
+//!   "schema": 2, "thetahat": "0.1.0", "robot": "EMPS", "title": "One axis", "samples_used": 100, "decimated_rows": 10,
 //!   "recordings": [], "validation_recordings": [], "seed": null, "elimination": null,
 //!   "bandwidth": { "position_cutoff_hz": 50.0, "decimation_cutoff_hz": 20.0 },
 //!   "experiment_description": "", "robot_description": "",
@@ -83,7 +83,7 @@ pub use run::{IterationResult, LoopParameterResult, RunResult};
 pub use sensitivity::{Sensitivity, SensitivityPoint};
 pub use side_by_side::{ComparedParameter, SettingDifference, Side, SideBySide, SideBySideError};
 pub use terms::{JointTermComparison, ProfiledTerm, TermComparison, TermLaw};
-pub use twin::TwinRecord;
+pub use twin::TwinRecording;
 pub use user_run::UserRun;
 pub use verdict::{NotExamined, ReasonCode, ReasonSubject, Verdict, VerdictReason};
 

@@ -13,7 +13,7 @@ pub struct ParameterResult {
     pub standard_deviation: Option<f64>,
     /// The same in percent of the estimate.
     pub relative_standard_deviation_percent: Option<f64>,
-    /// True value, for a twin.
+    /// True value, for a simulated robot.
     pub true_value: Option<f64>,
     /// Unit.
     pub unit: String,
@@ -24,18 +24,18 @@ pub struct ParameterResult {
     /// Standard deviation with errors that are correlated in time and differ between joints.
     #[serde(default)]
     pub standard_deviation_robust: Option<f64>,
-    /// Low and high end of the interval of 95 % with these errors.
+    /// Low and high end of the 95 % interval with these errors.
     #[serde(default)]
     pub interval_95: Option<[f64; 2]>,
 }
 
-/// What an elimination did.
+/// The result of an elimination.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct EliminationResult {
     /// Parameters kept.
     pub kept: Vec<String>,
-    /// Parameters taken out, in order.
+    /// Parameters eliminated, in order.
     pub eliminated: Vec<String>,
-    /// The test of those kept against all.
+    /// The test of the parameters kept against all.
     pub f_test: Option<FTest>,
 }

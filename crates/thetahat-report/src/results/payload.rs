@@ -1,4 +1,4 @@
-//! What recordings with a payload give.
+//! Results from recordings with a payload.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,17 +9,17 @@ pub struct PayloadResult {
     pub name: String,
     /// The joint whose link carries it.
     pub joint: String,
-    /// The recordings that carry it.
+    /// The recordings with this payload.
     pub recordings: Vec<String>,
-    /// `100 |y - y_hat| / |y|` of robot and payload together, over the rows of its recordings.
+    /// `100 |y - y_hat| / |y|` of the robot with the payload, over the rows of its recordings.
     pub relative_error_percent: f64,
     /// Its ten parameters in its frame, about the frame's origin.
     pub parameters: Vec<PayloadParameter>,
-    /// The centre of mass in its frame, m; none where mass or first moments are not identified.
+    /// The centre of mass in its frame, m; `null` if mass or first moments are not identified.
     pub centre_m: Option<[f64; 3]>,
-    /// Whether some body has these parameters; none where some of them are not identified.
+    /// Whether the parameters are physically consistent; `null` if some of them are not identified.
     pub is_physical: Option<bool>,
-    /// The parameters of the body nearest to them in the metric of their covariance.
+    /// The consistent parameters closest to them in the metric of their covariance.
     pub physical: Option<Vec<f64>>,
 }
 
@@ -30,7 +30,7 @@ pub struct PayloadParameter {
     pub name: String,
     /// Unit in SI.
     pub unit: String,
-    /// The estimate; none where the motion does not identify it.
+    /// The estimate; `null` if the motion does not identify it.
     pub estimate: Option<f64>,
     /// Its standard deviation with correlated errors.
     pub standard_deviation: Option<f64>,
@@ -43,20 +43,20 @@ pub struct PayloadParameter {
 pub struct DriveGainResult {
     /// The joint.
     pub joint: String,
-    /// True torque over the torque as recorded with the stated gain; none where it is not identifiable.
+    /// True torque over the torque recorded with the stated gain; `null` if it is not identifiable.
     pub factor: Option<f64>,
     /// Its standard deviation with correlated errors.
     pub standard_deviation: Option<f64>,
     /// Its 95 % interval.
     pub interval_95: Option<[f64; 2]>,
-    /// Root mean square of the torque that the payload needs of it, N m or N.
+    /// Root mean square of the torque that the payload causes at this joint, N m or N.
     pub payload_rms: f64,
     /// Why there is no factor.
     pub reason: Option<String>,
 }
 
 impl DriveGainResult {
-    /// Whether the recorded torque is clearly not the joint's torque.
+    /// Whether the payload contradicts the recorded torque.
     #[must_use]
     pub fn contradicts(&self) -> bool {
         let far = |factor: f64| (factor - 1.0).abs() > MATTERS;
@@ -65,5 +65,5 @@ impl DriveGainResult {
     }
 }
 
-/// Deviation of a gain from one that matters: friction that grows with the load gives as much.
+/// Largest deviation of a gain from one that load-dependent friction can cause.
 const MATTERS: f64 = 0.1;

@@ -2,7 +2,7 @@ use super::verdict::{Verdict, VerdictReason};
 use thetahat_estimation::identification::Method;
 use thetahat_ground::series::Series;
 
-/// Predicted torques over the whole record, and how they compare with the measured ones.
+/// Predicted torques over a whole recording, and their comparison with the measured torques.
 #[derive(Debug, Clone)]
 pub struct Prediction {
     /// The method that gave the parameters.
@@ -13,11 +13,11 @@ pub struct Prediction {
     pub sample_rate_hz: f64,
     /// Predicted joint torques, N m or N.
     pub torque: Series,
-    /// Measured joint torques, where there are any.
+    /// Measured joint torques, if there are any.
     pub measured: Option<Series>,
     /// Relative error in the decimated rows of the moving part, of all joints.
     pub relative_error_percent: Option<f64>,
-    /// The same of each joint; none where its torque is zero.
+    /// The same of each joint; none if its torque is zero.
     pub joint_relative_error_percent: Vec<Option<f64>>,
     /// Rms of the prediction of each joint in the moving part.
     pub rms: Vec<f64>,
@@ -25,8 +25,8 @@ pub struct Prediction {
     pub window_s: [f64; 2],
     /// Names of the joints.
     pub joints: Vec<String>,
-    /// The verdict on the results that the parameters come from.
+    /// The verdict on the results with the parameters.
     pub verdict: Verdict,
-    /// Why it is not good.
+    /// Why the verdict is not good.
     pub verdict_reasons: Vec<VerdictReason>,
 }

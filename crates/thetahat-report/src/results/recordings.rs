@@ -3,7 +3,7 @@ use serde::{Deserialize, Serialize};
 use thetahat_data::recording::Resampling;
 use thetahat_estimation::checks::{Finding, Severity};
 
-/// What was used of a recording.
+/// A recording and the part of it that was used.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RecordingResult {
     /// Its name, or its number.
@@ -16,58 +16,58 @@ pub struct RecordingResult {
     pub sample_rate_hz: f64,
     /// Start and end of the window, s.
     pub window_s: [f64; 2],
-    /// How far its time steps deviate, where it was resampled to equal ones.
+    /// Deviation of its time steps, if it was resampled to equal steps.
     pub resampling: Option<Resampling>,
-    /// Where torques end that were low-passed before they were recorded, Hz; none where they are raw.
-    #[serde(default)]
-    pub torque_ends_hz: Option<f64>,
-    /// Time for which its torques hold, s, over which they were centred; zero where they were measured at their instants.
+    /// Bandwidth of torques that were low-pass filtered before they were recorded, Hz; `null` for raw torques.
+    #[serde(default, alias = "torque_ends_hz")]
+    pub torque_bandwidth_hz: Option<f64>,
+    /// Hold time of its torques, s, on which they were centred; zero for torques measured at their time stamps.
     #[serde(default)]
     pub torque_hold_s: f64,
-    /// Samples near rest that make no rows; none where all make rows.
+    /// Samples near rest that were left out; `null` if all samples were used.
     #[serde(default)]
     pub near_rest: Option<NearRestResult>,
-    /// The reference that its simulations follow.
+    /// The reference of its simulations.
     pub reference: Option<ReferenceResult>,
 }
 
-/// Samples that make no rows because the sign of a velocity is not known there.
+/// Samples left out because the sign of a velocity is not known there.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NearRestResult {
-    /// Velocity of each coordinate below which it is near rest, rad/s or m/s.
+    /// Velocity below which a coordinate is near rest, per coordinate, rad/s or m/s.
     pub velocity: Vec<f64>,
-    /// Time on either side that is left out as well, s.
+    /// Time on either side that is also left out, s.
     pub widened_s: f64,
-    /// Part of each coordinate's samples that is left out, percent; zero for one that hardly moves, which keeps all.
+    /// Share of each coordinate's samples that is left out, percent; zero for a coordinate that hardly moves, which keeps all.
     pub left_out_percent: Vec<f64>,
 }
 
-/// What IDIM-LS gives where samples near rest make rows too.
+/// IDIM-LS with the samples near rest included.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct UnmaskedComparison {
     /// Its relative error, percent.
     pub relative_error_percent: f64,
-    /// The parameter that differs most, and its difference in standard deviations of the nominal estimate, with correlated
+    /// The parameter with the largest difference in standard deviations of the nominal estimate, with correlated
     /// errors.
     pub parameter: String,
     /// The difference.
     pub deviations: f64,
 }
 
-/// Where the simulations' reference comes from, and how well it describes the record.
+/// The origin of the simulations' reference, and how well it fits the recording.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ReferenceResult {
     /// `recorded`, `planned`, `reconstructed`, `periodic` or `filtered`.
     pub origin: String,
-    /// Moves, where it is made of moves.
+    /// Number of moves, if it consists of moves.
     pub moves: Option<usize>,
-    /// The period found, where it is periodic.
+    /// The period, if it is periodic.
     #[serde(default)]
     pub periodic: Option<PeriodicResult>,
-    /// Cut-off of the filter with which the motion was smoothed, Hz, where it is the motion itself, or in its transients.
+    /// Cut-off of the smoothing filter, Hz, if the reference is the measured motion itself, or its transients.
     #[serde(default)]
     pub smoothing_cutoff_hz: Option<f64>,
-    /// Rms deviation of the record from it in the window, per joint, rad or m.
+    /// Rms deviation of the recording from the reference in the window, per joint, rad or m.
     pub rms_deviation: Vec<f64>,
 }
 
@@ -76,44 +76,44 @@ pub struct ReferenceResult {
 pub struct PeriodicResult {
     /// Base frequency, Hz.
     pub base_frequency_hz: f64,
-    /// Harmonics, the base frequency among them.
+    /// Number of harmonics, including the base frequency.
     pub harmonics: usize,
-    /// Degree of the polynomial; zero where the motion does not drift.
+    /// Degree of the polynomial; zero without drift.
     pub degree: usize,
-    /// Periods from which it was fitted.
+    /// Number of periods used for the fit.
     pub periods: f64,
-    /// Start and end of the stretch in which the motion repeats, s.
+    /// Start and end of the interval in which the motion repeats, s.
     pub stretch_s: [f64; 2],
 }
 
-/// Bandwidths asked for, and measured by sending an impulse through the same code.
+/// Bandwidths requested, and measured with an impulse through the same code.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Bandwidth {
-    /// Cut-off of the position filter asked for, Hz: each of its two passes is 3 dB down there.
+    /// Requested cut-off of the position filter, Hz: the -3 dB frequency of each of its two passes.
     pub position_cutoff_hz: f64,
-    /// Where the positions that come out are 3 dB down, Hz.
+    /// -3 dB frequency of the filtered positions, Hz.
     pub position_measured_hz: Option<f64>,
-    /// Where the accelerations that come out are 3 dB down, beside the two differentiations, Hz.
+    /// -3 dB frequency of the accelerations, apart from the two differentiations, Hz.
     pub acceleration_measured_hz: Option<f64>,
     /// Cut-off of the parallel filter, Hz: 0.8 of the decimated Nyquist frequency.
     pub decimation_cutoff_hz: f64,
-    /// Where the rows that come out are 3 dB down, Hz.
+    /// -3 dB frequency of the decimated rows, Hz.
     pub decimation_measured_hz: Option<f64>,
 }
 
-/// What was found in one recording.
+/// The findings in one recording.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RecordingFindings {
     /// The name of the recording, or its number.
     pub recording: String,
-    /// Whether the recording is held back.
+    /// Whether the recording is held back for validation.
     pub held_back: bool,
-    /// The findings, the gravest first.
+    /// The findings, the most serious first.
     pub findings: Vec<Finding>,
 }
 
 impl RecordingFindings {
-    /// Whether an estimate from it is not to be trusted.
+    /// Whether a problem was found: estimates from this recording cannot be trusted.
     #[must_use]
     pub fn has_problem(&self) -> bool {
         self.findings.iter().any(|f| f.severity == Severity::Problem)

@@ -21,40 +21,40 @@ pub struct RunResult {
     pub case: String,
     /// The method.
     pub method: Method,
-    /// Weighting of the rows, as the experiment file names it: `none` or `per-joint`. None where it was read from a file
+    /// Weighting of the rows, as the experiment file names it: `none` or `per-joint`. `null` in a file
     /// of schema 0.
     #[serde(default)]
     pub weighting: Option<Weighting>,
     /// How it ended.
     pub status: Status,
-    /// Why, where it is not converged.
+    /// Why it did not converge; `null` if it did.
     pub reason: Option<String>,
-    /// What was simulated beside what the experiment describes: a guessed controller, other parameters than the estimate.
+    /// Simulations that differ from the experiment file: a guessed controller, other parameters than the estimate.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
-    /// Whether the estimates are those of a physical robot; none without an estimate.
+    /// Whether the estimates are physically consistent; `null` without an estimate.
     #[serde(default)]
     pub physical: Option<PhysicalResult>,
-    /// What the checks find in its predictions.
+    /// The findings of the checks in its predictions.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub findings: Vec<Finding>,
     /// Iterations.
     pub iterations: usize,
     /// Closed-loop simulations of the iteration.
     pub simulations: usize,
-    /// `100 |y - y_hat| / |y|`, unweighted; none where there is no estimate.
+    /// `100 |y - y_hat| / |y|`, unweighted; `null` without an estimate.
     pub relative_error_percent: Option<f64>,
-    /// The same for each joint; none where its torque is zero.
+    /// The same for each joint; `null` if its torque is zero.
     pub joint_relative_error_percent: Vec<Option<f64>>,
-    /// The same on data that the estimate has not seen: the second recording, or each move left out in turn.
+    /// The same on data not used for the estimate: the recordings held back, or each move left out in turn.
     pub cross_validation_relative_error_percent: Option<f64>,
-    /// Its 95 % interval, from how much the parts that were left out differ.
+    /// Its 95 % interval, from the scatter between the parts left out.
     #[serde(default)]
     pub cross_validation_interval_95_percent: Option<[f64; 2]>,
-    /// The part of the record without which the estimates change most.
+    /// The part of the recording whose removal changes the estimates most.
     #[serde(default)]
     pub influence: Option<Influence>,
-    /// How far errors that no interval holds may have moved the estimates, of nominal runs.
+    /// Possible bias of the estimates by errors that the intervals do not include; nominal runs only.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub hidden_bias: Vec<HiddenBias>,
     /// The tests of the residual.
@@ -77,11 +77,11 @@ pub struct RunResult {
     /// The estimates.
     pub parameters: Vec<ParameterResult>,
     /// Covariance of the estimates in the order of `parameters`, of nominal runs: the lower triangle row by row, SI. The
-    /// deviations are those with correlated errors, behind `interval_95`; the correlations are classical. Empty where it
-    /// was read from a file of before that key.
+    /// deviations are those with correlated errors, as in `interval_95`; the correlations are classical. Empty if it
+    /// was read from a file from before this key.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub covariance: Vec<f64>,
-    /// What was estimated of the simulated loop beside the parameters.
+    /// Quantities of the simulated loop that were estimated with the parameters.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub loop_parameters: Vec<LoopParameterResult>,
     /// Curves for the report.
@@ -94,13 +94,13 @@ pub struct RunResult {
 pub struct LoopParameterResult {
     /// Its name; motors count from one.
     pub name: String,
-    /// The factor on what the experiment describes, or the added delay in s.
+    /// The factor on the value in the experiment file, or the added delay in s.
     pub estimate: f64,
     /// Its classical standard deviation.
     pub standard_deviation: f64,
     /// Its 95 % interval with correlated errors.
     pub interval_95: Option<[f64; 2]>,
-    /// `s` for a delay, nothing for a factor.
+    /// `s` for a delay, empty for a factor.
     pub unit: String,
 }
 
@@ -118,7 +118,7 @@ pub struct IterationResult {
 }
 
 impl RunResult {
-    /// A run of which nothing is known but how it ended.
+    /// A run with a status and no numbers.
     #[doc(hidden)]
     pub fn new(case: &str, method: Method, status: Status) -> Self {
         Self {
@@ -153,7 +153,7 @@ impl RunResult {
         }
     }
 
-    /// Median over the parameters of the standard deviation with correlated errors over the classical one: how far the
+    /// Median over the parameters of the standard deviation with correlated errors over the classical one: by how much the
     /// classical ones are too small.
     #[must_use]
     pub fn widening(&self) -> Option<f64> {
@@ -163,7 +163,7 @@ impl RunResult {
         ratios.get(ratios.len() / 2).copied()
     }
 
-    /// Whether its errors are of positions, not of torques.
+    /// Whether its errors are errors of positions, not of torques.
     #[must_use]
     pub fn is_of_positions(&self) -> bool {
         self.method.response() == Response::Position

@@ -12,18 +12,18 @@ pub struct Sensitivity {
     pub robot: String,
     /// Names of the parameters, in the order of the estimates.
     pub parameters: Vec<String>,
-    /// Which of them the tables show, and the changes consider.
+    /// Which of them the tables show and the changes include.
     pub shown: Vec<bool>,
-    /// The estimates with the simulator as it is, method by method.
+    /// The estimates with the unchanged simulator, per method.
     pub nominal: Vec<SensitivityPoint>,
-    /// Those with each error.
+    /// The estimates with each error.
     pub points: Vec<SensitivityPoint>,
 }
 
 /// The estimates of one method with one error of the simulator.
 #[derive(Debug, Clone)]
 pub struct SensitivityPoint {
-    /// What is wrong.
+    /// The quantity in error.
     pub kind: BiasKind,
     /// Factor, or the value that is added: s for a delay, rad or m for an offset.
     pub value: f64,
@@ -31,12 +31,12 @@ pub struct SensitivityPoint {
     pub method: Method,
     /// How its iteration ended.
     pub status: Status,
-    /// `100 |y - y_hat| / |y|`; none where there is no estimate.
+    /// `100 |y - y_hat| / |y|`; none without an estimate.
     pub relative_error_percent: Option<f64>,
     /// Root mean square change of the shown estimates, in standard deviations, against the simulator without the error.
     pub rms_change: Option<f64>,
     /// The largest change, with its sign, and its parameter.
     pub largest_change: Option<(String, f64)>,
-    /// The estimates; empty where there are none.
+    /// The estimates; may be empty.
     pub estimates: Vec<f64>,
 }

@@ -1,4 +1,4 @@
-//! Several results beside each other: what was set otherwise, and by how much the estimates differ.
+//! Comparison of several results: differences of settings and of estimates.
 
 use std::{
     collections::BTreeMap,
@@ -11,14 +11,14 @@ use super::{
 };
 use thetahat_estimation::identification::Method;
 
-/// Results beside each other; all are compared with the first.
+/// Several results, compared with the first.
 #[derive(Debug, Clone)]
 pub struct SideBySide {
     /// The results, in the order given.
     pub sides: Vec<Side>,
-    /// Settings that are not the same in all, by name.
+    /// Settings that differ, by name.
     pub settings: Vec<SettingDifference>,
-    /// Every parameter that one of them has.
+    /// Every parameter in any of the results.
     pub parameters: Vec<ComparedParameter>,
 }
 
@@ -31,20 +31,20 @@ pub struct Side {
     pub title: String,
     /// The method whose estimates are compared.
     pub method: Method,
-    /// The verdict on all of its results.
+    /// The verdict on its results.
     pub verdict: Option<Verdict>,
     /// Relative error of that method's run, percent.
     pub relative_error_percent: Option<f64>,
-    /// The same on what it has not seen.
+    /// The same on data not used.
     pub unseen: Option<Unseen>,
 }
 
-/// A setting that is not the same in all results.
+/// A setting that differs between results.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SettingDifference {
     /// Its key, such as `signal.cutoff_hz`.
     pub key: String,
-    /// Its value in each; none where it is not set.
+    /// Its value in each; none if it is not set.
     pub values: Vec<Option<String>>,
 }
 
@@ -55,9 +55,9 @@ pub struct ComparedParameter {
     pub name: String,
     /// Its unit.
     pub unit: String,
-    /// Its estimate in each; none where it has none.
+    /// Its estimate in each; none without an estimate.
     pub estimates: Vec<Option<ParameterResult>>,
-    /// What the estimate of each is above the first one, in deviations of the difference; zero of the first itself, none where
+    /// Difference of each estimate from the first, in deviations of the difference; zero for the first itself, none if
     /// one of them has no deviation or another unit.
     pub deviations: Vec<Option<f64>>,
 }
@@ -73,7 +73,7 @@ pub struct SideBySideError {
 }
 
 impl SideBySide {
-    /// The results of files beside each other: in each the method asked for, or else the one that its advice takes.
+    /// Compares the results of files: in each the requested method, or otherwise the one that its advice recommends.
     ///
     /// # Errors
     /// [`SideBySideError`] where one of them has no such estimate.
@@ -121,7 +121,7 @@ fn parameters(runs: &[&RunResult]) -> Vec<ComparedParameter> {
     all.into_iter().map(compared).collect()
 }
 
-/// Difference over its deviation, as of independent estimates; zero of equal ones, none in other units.
+/// Difference over its deviation for independent estimates; zero for equal estimates, none for different units.
 fn deviations_above(first: &ParameterResult, other: &ParameterResult) -> Option<f64> {
     if first.unit != other.unit {
         return None;
@@ -134,7 +134,7 @@ fn deviations_above(first: &ParameterResult, other: &ParameterResult) -> Option<
     }
 }
 
-/// The settings that are not the same in all: keys of the experiment and of a robot in TOML, and what was recorded.
+/// The settings that differ: keys of the experiment and of a robot in TOML, and figures of the recording.
 fn settings(results: &[(PathBuf, Results)]) -> Vec<SettingDifference> {
     let all: Vec<BTreeMap<String, String>> = results.iter().map(|(_, results)| settings_of(results)).collect();
     let keys: std::collections::BTreeSet<&String> = all.iter().flat_map(BTreeMap::keys).collect();
@@ -157,7 +157,7 @@ fn settings_of(results: &Results) -> BTreeMap<String, String> {
     settings
 }
 
-/// The keys of a TOML text with their values; where it is none, such as a URDF, its size, and a sum that tells texts apart.
+/// The keys of a TOML text with their values; for other texts, such as a URDF, their length and a checksum.
 fn flattened(prefix: &str, text: &str) -> BTreeMap<String, String> {
     let mut all = BTreeMap::new();
     match text.parse::<toml::Table>() {
@@ -165,8 +165,8 @@ fn flattened(prefix: &str, text: &str) -> BTreeMap<String, String> {
         Err(_) => {
             let mut sum = DefaultHasher::new();
             text.hash(&mut sum);
-            let told = format!("sum {:016x}, {} characters", sum.finish(), text.chars().count());
-            all.insert(format!("{prefix}description"), told);
+            let summary = format!("checksum {:016x}, {} characters", sum.finish(), text.chars().count());
+            all.insert(format!("{prefix}description"), summary);
         }
     }
     all
@@ -193,14 +193,14 @@ fn flatten(key: String, value: &toml::Value, all: &mut BTreeMap<String, String>)
 mod tests {
     use super::*;
 
-    fn results(take: &str, estimate: f64, cutoff_hz: f64) -> (PathBuf, Results) {
+    fn results(recommended: &str, estimate: f64, cutoff_hz: f64) -> (PathBuf, Results) {
         let text = format!(
             r#"{{
-            "schema": 1, "thetahat": "0.1.0", "robot": "A", "title": "T", "samples_used": 100, "decimated_rows": 10,
+            "schema": 2, "thetahat": "0.1.0", "robot": "A", "title": "T", "samples_used": 100, "decimated_rows": 10,
             "recordings": [], "validation_recordings": [], "seed": null, "elimination": null,
             "bandwidth": {{ "position_cutoff_hz": 50.0, "decimation_cutoff_hz": 20.0 }},
             "experiment_description": "[signal]\ncutoff_hz = {cutoff_hz}\ndecimation = 7\n", "robot_description": "",
-            "advice": [{{ "case": "nominal", "take": {take}, "distrust": [], "text": "Take." }}],
+            "advice": [{{ "case": "nominal", "recommended": {recommended}, "distrust": [], "text": "Use it." }}],
             "runs": [{{
               "case": "nominal", "method": "idim-ls", "status": "converged", "iterations": 0, "simulations": 0,
               "joint_relative_error_percent": [], "seconds": 0.1, "convergence": [],
@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_without_the_estimate_is_an_error_that_names_what_there_is() {
+    fn a_file_without_the_estimate_is_an_error_that_names_the_estimates() {
         let none = SideBySide::new(&[results(LS, 1.0, 1.5), results("null", 1.0, 1.5)], "nominal", None).unwrap_err();
         assert!(matches!(&none.source, NoEstimate::NotAdvised { methods, .. } if methods == &["idim-ls"]), "{none}");
         let two = [results(LS, 1.0, 1.5), results(LS, 1.0, 1.5)];

@@ -1,8 +1,8 @@
 use thetahat_ground::series::Series;
 
-/// What the sensors of a twin saw.
+/// The recording of a simulated robot: what its sensors measure.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TwinRecord {
+pub struct TwinRecording {
     /// Names of the joints.
     pub joints: Vec<String>,
     /// Samples per second.

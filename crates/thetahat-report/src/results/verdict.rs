@@ -1,4 +1,4 @@
-//! The one verdict on all that a run yields.
+//! The verdict on the results of a run.
 
 use std::{collections::BTreeMap, fmt};
 
@@ -6,15 +6,15 @@ use serde::{Deserialize, Serialize};
 
 use thetahat_estimation::{checks::Code, identification::Method};
 
-/// What the results are good for.
+/// Whether the results can be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// The numbers of the method that the advice takes can be used.
+    /// The numbers of the recommended method can be used.
     Good,
-    /// They can be used by somebody who has read the reasons.
+    /// They can be used after reading the reasons.
     Care,
-    /// They are not to be used.
+    /// They must not be used.
     DoNotUse,
 }
 
@@ -36,22 +36,22 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// The rule by which a verdict is not good. Reasons that demand the same are sorted in this order: causes before what they cause.
+/// The rule that makes a verdict worse than good. Reasons with the same verdict are sorted in this order: causes before effects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum ReasonCode {
     /// The checks found a problem in a recording that was used.
     CheckProblem,
-    /// Recordings are explained apart, and not together.
+    /// Separate fits explain the recordings, a common fit does not.
     RecordingsDisagree,
     /// A known payload contradicts the torques.
     DriveGain,
     /// A nominal run did not converge.
     NotConverged,
-    /// Methods differ, and nothing tells which is wrong; or none has an estimate to take.
+    /// Methods differ and no test shows which is wrong, or no method has a usable estimate.
     Undecided,
-    /// The model explains no joint better than a constant.
+    /// The model explains no joint better than a constant torque.
     NothingExplained,
     /// A joint is explained no better than by zero or a constant.
     JointNotExplained,
@@ -59,19 +59,19 @@ pub enum ReasonCode {
     Lag,
     /// The checks warn of a recording that was used.
     CheckWarning,
-    /// The estimate predicts what it has not seen much worse than what it was made from.
+    /// The estimate predicts data not used much worse than the data of the fit.
     CrossValidation,
-    /// A joint is explained, but much of its torque is left.
+    /// A joint is explained, but much of its torque remains unexplained.
     JointPoorlyExplained,
-    /// No robot has the estimates.
+    /// The estimates are physically inconsistent.
     NotPhysical,
-    /// Only a method is left whose simulator nothing tests.
+    /// The only remaining method has a simulator that no test has checked.
     LastResort,
-    /// The residual is no noise: the model lacks something.
+    /// The residual is not noise: effects are missing in the model.
     CorrelatedResidual,
-    /// One move or recording decides an estimate.
+    /// One move or recording dominates an estimate.
     Influence,
-    /// There are few rows for the parameters.
+    /// There are few rows per parameter.
     FewRows,
 }
 
@@ -126,7 +126,7 @@ impl fmt::Display for ReasonCode {
     }
 }
 
-/// What a reason is about, as far as it is about one of them.
+/// The subject of a reason: the fields that apply are set.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ReasonSubject {
     /// The method.
@@ -141,7 +141,7 @@ pub struct ReasonSubject {
     /// The recording.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub recording: Option<String>,
-    /// The part of a record, or recording, that was left out.
+    /// The part of a recording, or the recording, that was left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub part: Option<String>,
     /// The finding of the checks.
@@ -154,16 +154,16 @@ pub struct ReasonSubject {
 pub struct VerdictReason {
     /// The rule.
     pub code: ReasonCode,
-    /// What this reason alone demands.
+    /// The verdict that this reason alone requires.
     pub verdict: Verdict,
-    /// The evidence, and what it was compared with.
+    /// The evidence and its limits.
     pub numbers: BTreeMap<String, f64>,
-    /// What it is about.
+    /// Its subject.
     #[serde(flatten)]
-    pub concerned: ReasonSubject,
-    /// The same in words, with what to do.
+    pub subject: ReasonSubject,
+    /// The reason in words, with the remedy.
     pub text: String,
-    /// What to do, alone; empty where it was read from a file of before that key.
+    /// The remedy alone; empty in files from before this key.
     #[serde(default)]
     pub remedy: String,
 }

@@ -1,12 +1,10 @@
-//! What a file holds.
+//! The content of a file.
 
 use std::path::Path;
 
 use serde::Serialize;
-use thetahat::{
-    recording::{ColumnSummary, Contents},
-    report::{self, TextWidth},
-};
+use thetahat::recording::{ColumnSummary, Contents};
+use thetahat_report::report::{self, TextWidth};
 
 /// A recording.
 #[derive(Serialize)]
@@ -23,7 +21,7 @@ pub(super) struct RecordingAnswer {
 /// A column, or a variable of several.
 #[derive(Serialize)]
 struct Channel {
-    /// As a request takes it: `NAME`, or `FILE:NAME` where several files have the name.
+    /// The name for requests: `NAME`, or `FILE:NAME` if several files have the name.
     name: String,
     rows: usize,
     columns: usize,

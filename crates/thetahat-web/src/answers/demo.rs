@@ -1,15 +1,16 @@
-//! The demonstration: a robot, and the record of its twin.
+//! The demonstration: a robot, and the recording of its simulated twin.
 
 use serde::Serialize;
 use serde_json::{Value, json};
-use thetahat::{experiment::Experiment, report};
+use thetahat::Experiment;
+use thetahat_report::report;
 
 use crate::session::Outcome;
 
 const ROBOT: &str = "tx40.toml";
 const LOG: &str = "tx40_demo.csv";
 
-/// Files, and what is asked of them.
+/// Files, with the request for them.
 pub(crate) struct Demo {
     pub(crate) files: [(&'static str, Vec<u8>); 2],
     pub(crate) answer: DemoAnswer,
@@ -24,7 +25,7 @@ pub(crate) struct DemoAnswer {
 impl Demo {
     pub(crate) fn new() -> Outcome<Self> {
         let demo = Experiment::demo()?;
-        let log = report::record_csv(&demo.record_twin()?)?;
+        let log = report::recording_csv(&demo.record_twin()?)?;
         let own = demo.file.robot.display().to_string();
         Ok(Self {
             files: [(ROBOT, demo.robot_text.into_bytes()), (LOG, log)],

@@ -9,9 +9,9 @@ use crate::session::Outcome;
 #[derive(Serialize)]
 pub(crate) struct Exported {
     file: String,
-    /// What goes beside the file: how sure its parameters are.
+    /// The file with the covariance of its parameters.
     covariance: Option<String>,
-    /// What there is to say of it.
+    /// Remarks on the export.
     text: String,
 }
 

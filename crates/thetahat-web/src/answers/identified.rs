@@ -3,16 +3,14 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use thetahat::{
-    report::{self, Published, TextWidth},
-    results::Results,
-};
+use thetahat::{Results, report::Published};
+use thetahat_report::report::{self, TextWidth};
 
 use crate::session::Outcome;
 
 const REPORT: &str = "report.html";
 
-/// What an identification gives.
+/// The answer of an identification.
 #[derive(Serialize)]
 pub(crate) struct Identified<'a> {
     results: &'a Results,
@@ -20,7 +18,7 @@ pub(crate) struct Identified<'a> {
     report: String,
     /// The other files that the command line writes, by name.
     files: BTreeMap<&'static str, String>,
-    /// What the command line prints, without the names of files.
+    /// The output of the command line, without the names of files.
     text: String,
 }
 

@@ -1,4 +1,4 @@
-//! What the session answers.
+//! The answers of the session.
 
 mod channels;
 mod demo;

@@ -2,13 +2,12 @@
 
 use serde::Serialize;
 use thetahat::{
-    OneOrEach,
-    experiment::{Experiment, Proposal, ProposedChannels},
-    preparation::Recording,
+    Experiment, OneOrEach, Recording,
+    experiment::{Proposal, ProposedChannels},
     recording::{Side, Unit},
 };
 
-/// The text of the experiment, and what was chosen in it.
+/// The text of the experiment, and the choices in it.
 #[derive(Serialize)]
 pub(super) struct ProposalAnswer {
     toml: String,
@@ -45,7 +44,7 @@ struct Lock {
 }
 
 impl ProposalAnswer {
-    /// A proposal with the experiment that it is, and its first recording.
+    /// A proposal with its experiment and its first recording.
     pub(super) fn of(
         proposal: &Proposal,
         experiment: &Experiment,

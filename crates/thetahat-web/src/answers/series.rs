@@ -1,9 +1,9 @@
-//! The record that is drawn.
+//! The curves of a recording.
 
 use serde::Serialize;
-use thetahat::{preparation::Recording, results::JointResult, robot::Robot, series::Series};
+use thetahat::{Recording, Robot, Series, results::JointResult};
 
-/// Most samples that are drawn.
+/// Largest number of samples in the curves.
 const MOST: usize = 2000;
 
 /// Positions and torques of the joints, thinned: one row for each joint.

@@ -2,27 +2,25 @@
 
 use serde::Serialize;
 use thetahat::{
-    preparation::Recording,
-    robot::Robot,
-    robot_summary::{FrameJoint, MovingFrames},
-    series::Series,
+    Recording, Robot, Series,
+    robot::{FrameJoint, MovingFrames},
 };
 
-/// Most moments of a motion.
+/// Largest number of instants of a motion.
 const MOST: usize = 300;
 
-/// Places of the joints at some moments.
+/// Positions of the joints at some instants.
 #[derive(Serialize)]
 pub(super) struct Skeleton {
     joints: Vec<FrameJoint>,
     gravity: [f64; 3],
-    /// Of each moment the origin of each joint, m.
+    /// The origin of each joint at each instant, m.
     frames: Vec<Vec<[f64; 3]>>,
     time_s: Vec<f64>,
 }
 
 impl Skeleton {
-    /// In the course of a recording.
+    /// During a recording.
     pub(super) fn of(robot: &Robot, recording: &Recording) -> Self {
         Self::at(robot, &recording.position, recording.sample_rate_hz)
     }

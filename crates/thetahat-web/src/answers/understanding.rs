@@ -1,21 +1,21 @@
-//! What is understood of a robot and its recordings before anything is identified.
+//! A robot and its recordings as they are read before an identification.
 
 use std::path::Path;
 
 use serde::Serialize;
 use thetahat::{
-    experiment::{Experiment, Proposal, propose},
-    preparation::Recording,
+    Experiment, Recording, Robot,
+    experiment::{Proposal, propose},
     recording::{Contents, inspect_with_time},
-    results::{Finding, RecordingFindings, Severity},
-    robot::{Robot, RobotError, RobotSource},
-    robot_summary::RobotSummary,
+    results::RecordingFindings,
+    robot::{RobotError, RobotSource, RobotSummary},
 };
+use thetahat_report::results::{Finding, Severity};
 
 use super::{channels::RecordingAnswer, proposed::ProposalAnswer, series::SeriesAnswer, skeleton::Skeleton};
-use crate::{budget, request::Request, session::Outcome};
+use crate::{budget, remedies::with_remedy, request::Request, session::Outcome};
 
-/// What is understood, and what is wrong with what is not.
+/// What was read, and errors in the rest.
 #[derive(Serialize, Default)]
 pub(crate) struct Understanding {
     robot: Option<RobotSummary>,
@@ -25,7 +25,7 @@ pub(crate) struct Understanding {
     recording_errors: Vec<FileError>,
     proposal: Option<ProposalAnswer>,
     proposal_error: Option<String>,
-    /// The experiment that is proposed, where something is to be filled in before it can run.
+    /// The proposed experiment, if something must be filled in before it can run.
     unfinished: Option<String>,
     series: Option<SeriesAnswer>,
     findings: Vec<FindingAnswer>,
@@ -54,7 +54,7 @@ impl Understanding {
         let contents = answer.read_recordings(request, folder);
         if let Some((source, _)) = robot.as_ref().filter(|_| !contents.is_empty()) {
             let told = answer.read_proposed(request, folder, source, &contents);
-            answer.proposal_error = told.err().map(|error| error.to_string());
+            answer.proposal_error = told.err().map(|error| with_remedy(error.as_ref()));
         }
         if answer.skeleton.is_none() {
             answer.skeleton = robot.as_ref().map(|(_, robot)| Skeleton::at_rest(robot));
@@ -87,7 +87,7 @@ impl Understanding {
         read.into_iter().map(|(_, contents)| contents).collect()
     }
 
-    /// The proposal, and what its recordings are. A proposal whose recordings cannot be used stands beside the error.
+    /// The proposal and its recordings. If its recordings cannot be used, the proposal is kept with the error.
     fn read_proposed(
         &mut self,
         request: &Request,

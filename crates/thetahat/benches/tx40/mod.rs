@@ -3,11 +3,10 @@
 use std::error::Error;
 
 use thetahat::{
+    Experiment, Series,
     base_parameters::BaseParameters,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
-    experiment::Experiment,
     regressor::Regressor,
-    series::Series,
 };
 
 /// Joint positions of one state, rad.
@@ -35,7 +34,7 @@ impl Tx40 {
         let model = Model::new(&robot);
         let base = BaseParameters::of(&model, &["iam6".to_owned()])?;
         Ok(Self {
-            parameters: DynamicParameters::new(&model, &robot.a_priori_parameters()),
+            parameters: DynamicParameters::sorted(&model, &robot.a_priori_parameters()),
             workspace: Workspace::new(&model),
             regressor: Regressor::new(&model, &base.columns()),
             model,
@@ -53,6 +52,6 @@ pub fn state() -> State<'static> {
 pub fn motion(samples: usize) -> [Series; 3] {
     [Q, DQ, DDQ].map(|state| {
         let sample = |k: usize| state.map(|x| x + (0.37 * k as f64).sin());
-        Series::from_values(6, (0..samples).flat_map(sample).collect())
+        Series::shaped(6, (0..samples).flat_map(sample).collect())
     })
 }

@@ -6,15 +6,18 @@ use super::{Campaign, CampaignError, NoiseLevel};
 use crate::preparation::{NamedChoice, ParameterChoice};
 use thetahat_ground::one_or_each::OneOrEach;
 
-/// Most runs along one axis: beyond it, places no longer fit into the numbers of the random streams.
+/// Most runs along one axis: beyond it, keys no longer fit into the numbers of the random streams.
 const MOST: u32 = 1 << 20;
-/// Most records of a campaign: their rows are held in memory.
-const MOST_RECORDS: u64 = 10_000_000;
+/// Most recordings of a campaign: their rows are held in memory.
+const MOST_RECORDINGS: u64 = 10_000_000;
 
 impl Campaign {
     pub(super) fn validate(&self) -> Result<(), CampaignError> {
         let file = &self.file;
-        let why = format!("a table in {}: a campaign records its simulated robot", self.experiment.path.display());
+        let why = format!(
+            "a table in {}: a campaign makes recordings of its simulated robot",
+            self.experiment.path.display()
+        );
         self.require(self.experiment.file.twin.is_some(), "[twin]", &why, "missing")?;
         self.require((1..=MOST).contains(&file.seeds), "seeds", "from 1 to 1048576", file.seeds)?;
         self.require_distinct("methods", file.methods.iter().map(|m| m.name()))?;
@@ -23,9 +26,9 @@ impl Campaign {
         self.require_distinct("[[noise]] name", file.noise.iter().map(|n| n.name.as_str()))?;
         file.noise.iter().try_for_each(|level| self.validate_level(level))?;
         self.validate_cases()?;
-        let records = u64::from(file.seeds) * u64::from(file.starts.count) * file.noise.len() as u64;
+        let recordings = u64::from(file.seeds) * u64::from(file.starts.count) * file.noise.len() as u64;
         let key = "seeds times starts times noise levels";
-        self.require(records <= MOST_RECORDS, key, "at most 10000000", records)?;
+        self.require(recordings <= MOST_RECORDINGS, key, "at most 10000000", recordings)?;
         self.validate_starts()?;
         let essential = self.experiment.settings.parameters.estimate == ParameterChoice::Named(NamedChoice::Essential);
         let expected = "\"base\" or a list of base parameters: every run of a campaign estimates the same ones";

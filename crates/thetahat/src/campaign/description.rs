@@ -31,7 +31,7 @@ pub struct CampaignFile {
     pub title: String,
     /// The experiment file with the twin, relative to the campaign file.
     pub experiment: PathBuf,
-    /// Records at each noise level and for each start, each with its own noise.
+    /// Recordings at each noise level and for each start, each with its own noise.
     pub seeds: u32,
     /// Seed of all random numbers.
     #[serde(default)]
@@ -49,7 +49,7 @@ pub struct CampaignFile {
     /// A-priori values that replace the values of the robot description.
     #[serde(default)]
     pub a_priori: BTreeMap<String, f64>,
-    /// What others claim, to stand beside the figures.
+    /// Published statements, listed next to the figures.
     #[serde(default)]
     pub claim: Vec<Claim>,
 }
@@ -120,7 +120,7 @@ impl Campaign {
         let text = files::read_to_string(path)
             .map_err(|e| CampaignError::Unreadable { path: path.to_owned(), reason: e.to_string() })?;
         let file = Self::parse(path, &text)?;
-        let experiment = crate::experiment::beside(path, "experiment", &file.experiment)?;
+        let experiment = crate::experiment::path_in_project(path, "experiment", &file.experiment)?;
         if !files::is_file(&experiment) {
             let expected = format!("the path of an experiment file, from {}", path.parent().unwrap_or(path).display());
             let found = format!("{:?}, which is no file", file.experiment.display().to_string());

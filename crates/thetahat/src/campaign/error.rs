@@ -51,15 +51,15 @@ pub enum CampaignError {
         /// The link or joint, what it violates, and the remedy.
         reason: String,
     },
-    /// A record that the campaign does not have.
+    /// A recording that the campaign does not have.
     #[error(
-        "{}: has no record of noise level {}, start {} and seed {}, each from one",
+        "{}: has no recording of noise level {}, start {} and seed {}, each from one",
         path.display(), key.level.saturating_add(1), key.start.saturating_add(1), key.seed.saturating_add(1)
     )]
-    NoRecord {
+    NoRecording {
         /// The campaign file.
         path: PathBuf,
-        /// The place of the record.
+        /// Noise level, start and seed of the recording.
         key: Key,
     },
     /// The folder holds the results of another campaign.

@@ -1,9 +1,9 @@
-//! A Monte Carlo campaign: one TOML file that describes many runs on simulated records, and the runs.
+//! A Monte Carlo campaign: one TOML file that describes many runs on simulated recordings, and the runs.
 //!
 //! The true motion is simulated once; noise is on the measurements alone. [`Campaign::read`] checks the file,
-//! [`Campaign::run`] runs what is missing in a [`Store`] and returns all [`Row`]s, [`summarise`] makes figures of them.
-//! Every random number has its own stream by the place of its run, so that rows depend neither on the number of threads
-//! nor on which runs were made before. A [`Bench`] runs any of the records, so that parts can be made elsewhere.
+//! [`Campaign::run`] runs what is missing in a [`Store`] and returns all [`Row`]s, [`summarise`] computes their statistics.
+//! Every recording draws its random numbers from its own stream, so that rows depend neither on the number of threads nor on which
+//! runs were made before. A [`Bench`] runs any of the recordings, so that parts can be made elsewhere.
 //!
 //! ```
 //! use thetahat::campaign::quantiles;
@@ -13,6 +13,7 @@
 //! assert_eq!(found.median, 3.0);
 //! ```
 
+mod bench;
 mod checks;
 mod description;
 mod error;
@@ -24,7 +25,6 @@ mod no_store;
 mod noise;
 #[cfg(feature = "parquet")]
 mod parquet_file;
-mod record;
 mod results;
 mod row;
 mod run;
@@ -33,14 +33,17 @@ mod starts;
 mod store;
 mod summary;
 
-pub use description::{Campaign, CampaignFile, Claim, NoiseLevel, Starts, Subset};
+pub use description::{Campaign, Subset};
+#[doc(hidden)]
+pub use description::{CampaignFile, Claim, NoiseLevel, Starts};
 pub use error::CampaignError;
+#[doc(hidden)]
 pub use facts::{CampaignParameter, Facts};
 #[cfg(not(feature = "parquet"))]
 pub use no_store::Store;
-pub use record::Bench;
 pub use row::{Key, Row};
 pub use run::{CampaignRuns, Progress};
 #[cfg(feature = "parquet")]
 pub use store::Store;
+#[doc(hidden)]
 pub use summary::{parameter_summaries, quantiles, summarise};

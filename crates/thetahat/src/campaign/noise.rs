@@ -1,39 +1,30 @@
-//! The measurements of one run: the true motion with noise.
+//! The measurements of one recording: the true motion with noise.
 
-use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::{NoiseLevel, row::Key};
 use crate::experiment::{Experiment, TwinMotion};
-use thetahat_estimation::simulation::Sensors;
-use thetahat_ground::series::Series;
+use thetahat_estimation::simulation::{NoisySignals, RecordingNoise, Sensors, SignalNoise};
 
 /// Bits of a stream's number that hold the seed, and those that hold the start.
 const SEED_BITS: u32 = 20;
 const START_BITS: u32 = 20;
 
-/// The stream of the noise of one record: levels, starts and seeds all have their place in its number.
-pub(super) fn record_stream(key: Key) -> u64 {
+/// The stream of the noise of one recording: its number encodes level, start and seed.
+pub(super) fn recording_stream(key: Key) -> u64 {
     let place = |number: u32, shift: u32| u64::from(number) << shift;
     place(key.level + 1, SEED_BITS + START_BITS) | place(key.start, SEED_BITS) | u64::from(key.seed)
 }
 
-/// Random numbers of a stream; equal seed and stream give equal numbers whatever was drawn before.
-pub(super) fn random(seed: u64, stream: u64) -> ChaCha8Rng {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    rng.set_stream(stream);
-    rng
-}
-
-/// Positions and torques as one record holds them.
+/// Positions and torques of the joints, as one recording has them.
 pub(super) fn measure(
     experiment: &Experiment,
     twin: &TwinMotion,
     level: &NoiseLevel,
     rng: &mut ChaCha8Rng,
-) -> (Series, Series) {
+) -> NoisySignals {
     let joints = experiment.robot.coordinate_count();
-    let (mut position, mut torque) = match sensors(experiment).filter(|_| level.sensors) {
+    let (position, torque) = match sensors(experiment).filter(|_| level.sensors) {
         Some(sensors) => {
             let transmission = &experiment.robot.transmission;
             let (motors, drives) = sensors.record(&twin.motion, &experiment.robot);
@@ -41,9 +32,9 @@ pub(super) fn measure(
         }
         None => (twin.motion.q.clone(), twin.motion.tau.clone()),
     };
-    position.add_white_noise(&position_deviations(experiment, level), rng);
-    torque.add_white_noise(&level.torque_noise.to_list(joints), rng);
-    (position, torque)
+    let [of_positions, of_torques] = [position_deviations(experiment, level), level.torque_noise.to_list(joints)];
+    RecordingNoise { position: SignalNoise::White(&of_positions), torque: SignalNoise::White(&of_torques) }
+        .record(position, torque, rng)
 }
 
 /// The twin's sensors without their own noise.
@@ -61,18 +52,13 @@ fn position_deviations(experiment: &Experiment, level: &NoiseLevel) -> Vec<f64> 
 
 #[cfg(test)]
 mod tests {
-    use rand_distr::{Distribution, StandardNormal};
-
     use super::*;
 
     #[test]
     fn streams_of_different_places_differ() {
         let places = [(0, 0, 0), (0, 0, 1), (0, 1, 0), (1, 0, 0), (0, 1, 1)];
         let streams: std::collections::BTreeSet<u64> =
-            places.into_iter().map(|(level, start, seed)| record_stream(Key { level, start, seed })).collect();
+            places.into_iter().map(|(level, start, seed)| recording_stream(Key { level, start, seed })).collect();
         assert_eq!(streams.len(), places.len());
-        let draw = |stream| -> f64 { StandardNormal.sample(&mut random(7, stream)) };
-        assert_eq!(draw(3), draw(3));
-        assert_ne!(draw(3), draw(4));
     }
 }

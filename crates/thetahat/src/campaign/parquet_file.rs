@@ -15,7 +15,7 @@ use parquet::{
         reader::{FileReader, SerializedFileReader},
         writer::SerializedFileWriter,
     },
-    record::{Field, Row as Record},
+    record::{Field, Row as FileRow},
     schema::{parser::parse_message_type, types::Type},
 };
 
@@ -23,7 +23,7 @@ use super::{CampaignError, Row, facts::Facts, files::replace_file, row::status_n
 use thetahat_estimation::identification::Status;
 use thetahat_ground::files;
 
-/// Which columns a file has beside those that say which run a row is.
+/// The columns of a file in addition to those that identify the run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Content {
     /// All columns.
@@ -157,28 +157,28 @@ fn levels<T>(values: &[Option<T>]) -> Vec<i16> {
 
 /// Reads rows back.
 pub(super) fn read(path: &Path, facts: &Facts) -> Result<Vec<Row>, CampaignError> {
-    let row = |(number, record): (usize, &Record)| {
+    let row = |(number, file_row): (usize, &FileRow)| {
         let problem = format!("row {} is not that of a run", number + 1);
-        row(record, facts).ok_or_else(|| CampaignError::Damaged { path: path.to_owned(), problem })
+        row(file_row, facts).ok_or_else(|| CampaignError::Damaged { path: path.to_owned(), problem })
     };
-    records(path)?.iter().enumerate().map(row).collect()
+    rows_of_file(path)?.iter().enumerate().map(row).collect()
 }
 
-/// The records of a file, whose checksum is that of their values.
-fn records(path: &Path) -> Result<Vec<Record>, CampaignError> {
+/// The rows of a file, whose checksum is that of their values.
+fn rows_of_file(path: &Path) -> Result<Vec<FileRow>, CampaignError> {
     let damaged = |problem: String| CampaignError::Damaged { path: path.to_owned(), problem };
     let bytes =
         files::read(path).map_err(|e| CampaignError::Unreadable { path: path.to_owned(), reason: e.to_string() })?;
     let reader = SerializedFileReader::new(Bytes::from(bytes)).map_err(|e| damaged(e.to_string()))?;
-    let records = reader.get_row_iter(None).and_then(Iterator::collect::<Result<Vec<Record>, _>>);
-    let records = records.map_err(|e| damaged(e.to_string()))?;
+    let rows = reader.get_row_iter(None).and_then(Iterator::collect::<Result<Vec<FileRow>, _>>);
+    let rows = rows.map_err(|e| damaged(e.to_string()))?;
     let metadata = reader.metadata().file_metadata().key_value_metadata();
     let stated = metadata.and_then(|all| all.iter().find(|entry| entry.key == CHECKSUM)?.value.as_ref());
     let stated = stated.ok_or_else(|| damaged("it carries no checksum".to_owned()))?;
-    if *stated != checksum_of_records(&records).to_string() {
+    if *stated != checksum_of_rows(&rows).to_string() {
         return Err(damaged("its checksum is not that of its values".to_owned()));
     }
-    Ok(records)
+    Ok(rows)
 }
 
 /// Adds a value with the name of its column to a checksum.
@@ -208,10 +208,10 @@ fn checksum_of_columns(columns: &[(String, Column)]) -> u32 {
     sum.sum()
 }
 
-/// The same of records that were read back.
-fn checksum_of_records(records: &[Record]) -> u32 {
+/// The same of rows that were read back.
+fn checksum_of_rows(rows: &[FileRow]) -> u32 {
     let mut sum = Crc::new();
-    for (name, field) in records.iter().flat_map(Record::get_column_iter) {
+    for (name, field) in rows.iter().flat_map(FileRow::get_column_iter) {
         if let Field::Str(text) = field {
             add_value(&mut sum, name, Some(text.as_bytes()));
         } else if let Field::Long(value) = field {
@@ -225,10 +225,10 @@ fn checksum_of_records(records: &[Record]) -> u32 {
     sum.sum()
 }
 
-/// The row of a record; its parameters stand in the order of the facts.
-fn row(record: &Record, facts: &Facts) -> Option<Row> {
+/// The row of a run; its parameters are in the order of the facts.
+fn row(file_row: &FileRow, facts: &Facts) -> Option<Row> {
     let fields: std::collections::BTreeMap<&str, &Field> =
-        record.get_column_iter().map(|(name, field)| (name.as_str(), field)).collect();
+        file_row.get_column_iter().map(|(name, field)| (name.as_str(), field)).collect();
     let text = |name: &str| match fields.get(name) {
         Some(Field::Str(text)) => Some(text.clone()),
         _ => None,
@@ -270,11 +270,11 @@ fn row(record: &Record, facts: &Facts) -> Option<Row> {
 
 /// The times of a file, in the order of its rows.
 pub(super) fn read_seconds(path: &Path) -> Result<Vec<Option<f64>>, CampaignError> {
-    let seconds = |record: &Record| {
-        let field = record.get_column_iter().find(|(name, _)| *name == SECONDS).map(|(_, field)| field);
+    let seconds = |file_row: &FileRow| {
+        let field = file_row.get_column_iter().find(|(name, _)| *name == SECONDS).map(|(_, field)| field);
         if let Some(Field::Double(value)) = field { Some(*value) } else { None }
     };
-    Ok(records(path)?.iter().map(seconds).collect())
+    Ok(rows_of_file(path)?.iter().map(seconds).collect())
 }
 
 fn status_named(name: &str) -> Option<Status> {

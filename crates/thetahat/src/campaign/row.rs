@@ -1,6 +1,6 @@
 use thetahat_estimation::identification::Status;
 
-/// The place of a record among the axes of its campaign, each counted from zero.
+/// Noise level, start and seed of a recording, each counted from zero.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Key {
     /// The noise level.

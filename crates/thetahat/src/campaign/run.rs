@@ -4,10 +4,10 @@ use std::{collections::BTreeMap, path::PathBuf};
 
 use super::{
     Store,
+    bench::Bench,
     description::{Campaign, Subset},
     error::CampaignError,
     facts::Facts,
-    record::Bench,
     row::{Key, Row},
 };
 use crate::scheduling::SIDE_BY_SIDE;
@@ -24,19 +24,19 @@ pub struct CampaignRuns {
     pub files: Vec<PathBuf>,
 }
 
-/// How far a campaign is: records, each with all its cases and methods.
+/// Progress of a campaign in recordings, each with all its cases and methods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
-    /// Records done by earlier commands.
+    /// Recordings done by earlier commands.
     pub before: usize,
-    /// Records done now.
+    /// Recordings done now.
     pub done: usize,
-    /// Records to do now.
+    /// Recordings to do now.
     pub to_do: usize,
 }
 
 impl Campaign {
-    /// Runs what is not in the store yet and returns all rows; each of `threads` takes four records at a time. Rows are the same for any
+    /// Runs what is not in the store yet and returns all rows; each of `threads` runs four recordings at a time. Rows are the same for any
     /// number of threads, and with or without a store.
     ///
     /// A run that fails is a row with its status and reason.
@@ -65,18 +65,18 @@ impl Campaign {
         store: Option<&Store>,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<CampaignRuns, CampaignError> {
-        let (mut records, missing) = self.done_and_missing(bench, limits, store)?;
-        let before = records.len();
-        let tell = |done| Progress { before, done, to_do: missing.len() };
-        progress(tell(0));
-        let found = run_all(bench, &missing, threads, store, &mut |done| progress(tell(done)))?;
-        records.extend(found);
-        let rows: Vec<Row> = records.into_values().flatten().collect();
+        let (mut recordings, missing) = self.done_and_missing(bench, limits, store)?;
+        let before = recordings.len();
+        let progress_of = |done| Progress { before, done, to_do: missing.len() };
+        progress(progress_of(0));
+        let found = run_all(bench, &missing, threads, store, &mut |done| progress(progress_of(done)))?;
+        recordings.extend(found);
+        let rows: Vec<Row> = recordings.into_values().flatten().collect();
         let files = store.map(|s| s.finish(&rows, &bench.facts)).transpose()?.unwrap_or_default();
         Ok(CampaignRuns { facts: bench.facts.clone(), rows, files })
     }
 
-    /// The records within the limits that a store does not have, in the order of the rows.
+    /// The recordings within the limits that a store does not have, in the order of the rows.
     ///
     /// # Errors
     /// [`CampaignError`] for a store that cannot be read.
@@ -89,13 +89,13 @@ impl Campaign {
         bench: &Bench,
         limits: Subset,
         store: Option<&Store>,
-    ) -> Result<(Records, Vec<Key>), CampaignError> {
-        let records = store.map(|s| s.finished(self, &bench.facts)).transpose()?.unwrap_or_default();
-        let missing = self.keys(limits).into_iter().filter(|key| !records.contains_key(key)).collect();
-        Ok((records, missing))
+    ) -> Result<(RowsByKey, Vec<Key>), CampaignError> {
+        let recordings = store.map(|s| s.finished(self, &bench.facts)).transpose()?.unwrap_or_default();
+        let missing = self.keys(limits).into_iter().filter(|key| !recordings.contains_key(key)).collect();
+        Ok((recordings, missing))
     }
 
-    /// Every record within the limits, in the order of the rows.
+    /// Every recording within the limits, in the order of the rows.
     #[must_use]
     pub fn keys(&self, limits: Subset) -> Vec<Key> {
         let starts = limits.starts.unwrap_or(u32::MAX).min(self.file.starts.count);
@@ -107,9 +107,9 @@ impl Campaign {
     }
 }
 
-type Records = BTreeMap<Key, Vec<Row>>;
+type RowsByKey = BTreeMap<Key, Vec<Row>>;
 
-/// Runs the records in small groups, so many of these at a time; whoever ran them keeps their rows. The first error stops
+/// Runs the recordings in small groups on `threads` threads, which store the rows as soon as a group is done. The first error stops
 /// all.
 fn run_all(
     bench: &Bench,
@@ -117,19 +117,19 @@ fn run_all(
     threads: usize,
     store: Option<&Store>,
     progress: &mut dyn FnMut(usize),
-) -> Result<Records, CampaignError> {
+) -> Result<RowsByKey, CampaignError> {
     let groups: Vec<&[Key]> = keys.chunks(SIDE_BY_SIDE).collect();
     let work = |place: usize| {
-        let of_records = bench.run(groups[place])?;
-        let mut each = groups[place].iter().zip(&of_records);
+        let of_recordings = bench.run(groups[place])?;
+        let mut each = groups[place].iter().zip(&of_recordings);
         each.try_for_each(|(key, rows)| store.map_or(Ok(()), |s| s.keep(*key, rows, &bench.facts)))?;
-        Ok::<_, CampaignError>(of_records)
+        Ok::<_, CampaignError>(of_recordings)
     };
-    let mut records = Records::new();
-    as_finished(groups.len(), threads, work, |place, of_records| {
-        records.extend(groups[place].iter().copied().zip(of_records?));
-        progress(records.len());
+    let mut recordings = RowsByKey::new();
+    as_finished(groups.len(), threads, work, |place, of_recordings| {
+        recordings.extend(groups[place].iter().copied().zip(of_recordings?));
+        progress(recordings.len());
         Ok::<(), CampaignError>(())
     })?;
-    Ok(records)
+    Ok(recordings)
 }

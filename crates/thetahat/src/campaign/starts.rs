@@ -3,12 +3,13 @@
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{Campaign, CampaignError, noise::random};
+use super::{Campaign, CampaignError};
 use crate::experiment::Experiment;
+use thetahat_estimation::simulation::random_numbers;
 
-/// Draws of one start, of which one should be physical.
+/// Most draws of one start until one is physical.
 const DRAWS: u32 = 10_000;
-/// The streams of the starts, apart from those of the records.
+/// The streams of the starts, apart from those of the recordings.
 const STREAM: u64 = 1 << 63;
 
 impl Campaign {
@@ -19,7 +20,7 @@ impl Campaign {
         if deviation == 0.0 {
             return Ok(experiment);
         }
-        let mut rng = random(self.file.seed, STREAM | u64::from(start));
+        let mut rng = random_numbers(self.file.seed, STREAM | u64::from(start));
         let table = experiment.robot.parameter_table();
         let centre = experiment.robot.a_priori_parameters();
         let mut reason = String::new();

@@ -1,4 +1,4 @@
-//! A folder with the results of a campaign: a part for each record while it runs, and two files at its end.
+//! A folder with the results of a campaign: a part for each recording while it runs, and two files at its end.
 
 use std::{
     collections::BTreeMap,
@@ -10,10 +10,10 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Campaign, CampaignError, Key, Row,
+    bench::Bench,
     facts::Facts,
     files::{refuse, replace_file},
     parquet_file::{self, Content},
-    record::Bench,
 };
 use thetahat_ground::{files, output::TEMPORARY};
 
@@ -91,30 +91,30 @@ impl Store {
         }
     }
 
-    /// The records that are done.
+    /// The rows of the recordings that are done.
     pub(super) fn finished(
         &self,
         campaign: &Campaign,
         facts: &Facts,
     ) -> Result<BTreeMap<Key, Vec<Row>>, CampaignError> {
-        let mut records = BTreeMap::new();
+        let mut recordings = BTreeMap::new();
         for row in self.merged(facts)? {
             let key = key_of(campaign, &row).ok_or_else(|| self.unknown(&row))?;
-            records.entry(key).or_insert_with(Vec::new).push(row);
+            recordings.entry(key).or_insert_with(Vec::new).push(row);
         }
         for path in self.part_files()? {
-            records.extend(part(campaign, &path, facts)?);
+            recordings.extend(part(campaign, &path, facts)?);
         }
-        Ok(records)
+        Ok(recordings)
     }
 
-    /// Keeps the rows of one record.
+    /// Stores the rows of one recording.
     pub(super) fn keep(&self, key: Key, rows: &[Row], facts: &Facts) -> Result<(), CampaignError> {
         let name = format!("{:02}-{:05}-{:05}.parquet", key.level + 1, key.start + 1, key.seed + 1);
         parquet_file::write(&self.parts().join(name), rows, facts, Content::Everything)
     }
 
-    /// Writes the two files of all rows, then takes the parts away. Returns the paths of the two.
+    /// Writes the two files of all rows, then deletes the parts. Returns the paths of the two.
     pub(super) fn finish(&self, rows: &[Row], facts: &Facts) -> Result<Vec<PathBuf>, CampaignError> {
         let paths = [self.folder.join(TIMING), self.folder.join(RUNS)];
         parquet_file::write(&paths[0], rows, facts, Content::Timing)?;
@@ -144,7 +144,7 @@ impl Store {
         self.folder.join(PARTS)
     }
 
-    /// The parts in the order of their names; what a killed program left in part is taken away.
+    /// The parts in the order of their names; incomplete files of a killed program are deleted.
     fn part_files(&self) -> Result<Vec<PathBuf>, CampaignError> {
         let parts = self.parts();
         let entries = fs::read_dir(&parts).map_err(|e| refuse(&parts, &e))?;
@@ -167,21 +167,21 @@ impl Store {
     }
 }
 
-/// The records of a part.
+/// The rows of a part, by recording.
 fn part(campaign: &Campaign, path: &Path, facts: &Facts) -> Result<BTreeMap<Key, Vec<Row>>, CampaignError> {
     let damaged =
         || CampaignError::Damaged { path: path.to_owned(), problem: "holds no run of the campaign".to_owned() };
-    let mut records = BTreeMap::new();
+    let mut recordings = BTreeMap::new();
     for row in parquet_file::read(path, facts)? {
         let key = key_of(campaign, &row).ok_or_else(damaged)?;
-        records.entry(key).or_insert_with(Vec::new).push(row);
+        recordings.entry(key).or_insert_with(Vec::new).push(row);
     }
-    if records.is_empty() { Err(damaged()) } else { Ok(records) }
+    if recordings.is_empty() { Err(damaged()) } else { Ok(recordings) }
 }
 
 impl Bench {
-    /// Runs records, and packs their rows as a file of the folder `parts` of the campaign's store, whatever its name: so that records
-    /// can be run elsewhere.
+    /// Runs recordings, and packs their rows as a file of the folder `parts` of the campaign's store, whatever its name: so that
+    /// recordings can be run elsewhere.
     ///
     /// # Errors
     /// As [`Bench::run`].
@@ -191,7 +191,7 @@ impl Bench {
     }
 }
 
-/// Refuses a folder with files of others; what a killed program left in part does not count.
+/// Refuses a folder with files of others; incomplete files of a killed program do not count.
 fn require_empty(folder: &Path) -> Result<(), CampaignError> {
     let Ok(mut entries) = fs::read_dir(folder) else { return Ok(()) };
     match entries.find(|entry| entry.as_ref().is_ok_and(|entry| !is_temporary(&entry.path()))) {

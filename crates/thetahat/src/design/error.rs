@@ -5,7 +5,7 @@ use thetahat_estimation::{identification::EstimationError, simulation::Simulatio
 use thetahat_model::{base_parameters::BaseParametersError, robot::RobotError};
 use thetahat_report::results::ResultsError;
 
-/// Why no motion is designed.
+/// Why a design fails.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DesignError {
@@ -161,8 +161,8 @@ pub enum DesignError {
         /// Why.
         source: SimulationError,
     },
-    /// The record of the motion gives no estimate.
-    #[error("{}: the designed record gives no estimate: {source}", path.display())]
+    /// The recording of the motion gives no estimate.
+    #[error("{}: the designed recording gives no estimate: {source}", path.display())]
     NoEstimate {
         /// The design file.
         path: PathBuf,

@@ -1,17 +1,18 @@
-//! The way of a design: limits, searches, verification, prediction.
+//! The steps of a design: limits, searches, verification, prediction.
 
-use super::{
-    description::Design,
+use crate::design::{
     error::DesignError,
-    limits::JointLimits,
-    loads::Loads,
-    motions::Motions,
-    optimiser::Problem,
-    prediction::{Expected, ExpectedRecord},
-    prior_data::Compared,
-    searches::{Searches, Start, sign_scales},
-    sums::Derivatives,
-    verified::Verified,
+    limits::{joint_limits::JointLimits, loads::Loads, verified::Verified},
+    motions::{family::Motions, sums::Derivatives},
+    prediction::{
+        expected::{Expected, ExpectedRecording},
+        prior_data::Compared,
+    },
+    search::{
+        optimiser::Problem,
+        searches::{Searches, Start, sign_scales},
+    },
+    text::description::Design,
 };
 use crate::{preparation::Setup, scheduling::closed_loop};
 use thetahat_estimation::{
@@ -26,37 +27,37 @@ use thetahat_model::{
 };
 use thetahat_report::results::{CollisionResults, DesignResults, LimitUse, PredictedGain};
 
-/// What the record of the motion tells, and what is at hand beside it.
-pub(super) struct Forecast {
-    pub(super) expected: Expected,
-    /// For what stays unknown: how many times as narrow its interval would be by a motion for it.
-    pub(super) remedies: Vec<Option<f64>>,
-    /// Of the drives, with a record without the payload beside it.
-    pub(super) gains: Vec<PredictedGain>,
-    pub(super) compared: Option<Compared>,
+/// The predicted intervals, and what they are compared with.
+pub(in crate::design) struct Forecast {
+    pub(in crate::design) expected: Expected,
+    /// For what stays unknown: how many times narrower its interval is with a motion for it.
+    pub(in crate::design) remedies: Vec<Option<f64>>,
+    /// Of the drive gains, with a second recording without the payload.
+    pub(in crate::design) gains: Vec<PredictedGain>,
+    pub(in crate::design) compared: Option<Compared>,
 }
 
 /// A motion within its limits.
-pub(super) struct FeasibleMotion {
-    pub(super) motion: Derivatives,
-    pub(super) torque: Series,
-    pub(super) uses: Vec<LimitUse>,
-    pub(super) starts: Vec<Start>,
-    /// The moves, where the motion is made of such.
-    pub(super) moves: Option<Moves>,
-    /// Distances of shapes, where they are looked at.
-    pub(super) collision: Option<CollisionResults>,
-    /// The criterion if the last recording at hand were repeated.
-    pub(super) repeated: Option<f64>,
+pub(in crate::design) struct FeasibleMotion {
+    pub(in crate::design) motion: Derivatives,
+    pub(in crate::design) torque: Series,
+    pub(in crate::design) uses: Vec<LimitUse>,
+    pub(in crate::design) starts: Vec<Start>,
+    /// The moves, if the motion consists of moves.
+    pub(in crate::design) moves: Option<Moves>,
+    /// Distances of shapes, if the design has any.
+    pub(in crate::design) collision: Option<CollisionResults>,
+    /// The criterion if the last earlier recording were repeated.
+    pub(in crate::design) repeated: Option<f64>,
 }
 
 impl Design {
-    /// Searches the best motion, verifies its limits at 1 kHz, and predicts what its record will tell.
+    /// Searches the best motion, verifies its limits at 1 kHz, and predicts the intervals of the parameters.
     ///
     /// The result does not depend on the number of `threads`.
     ///
     /// # Errors
-    /// [`DesignError`] where no motion within the limits shows every parameter, or a limit cannot hold.
+    /// [`DesignError`] if no motion within the limits identifies every parameter, or a limit cannot hold.
     pub fn run(&self, threads: usize, progress: &mut dyn FnMut(&str)) -> Result<DesignResults, DesignError> {
         let limits = self.limits()?;
         let model = Model::new(&self.robot);
@@ -67,20 +68,20 @@ impl Design {
         let problem = self.problem(&model, &base, &limits)?;
         self.verify_sweeps(&model, &problem.watched, &limits)?;
         let chosen = self.choose(&model, &problem, &limits, threads)?;
-        progress("promising intervals");
-        let [loaded, unloaded] = self.moved(&model, &chosen)?;
+        progress("predicting intervals");
+        let [loaded, unloaded] = self.true_motions(&model, &chosen)?;
         let noise = self.position_noise();
-        let record = self.expected_record(&loaded, &noise);
-        let expected = record.predict(&self.path, self.file.motion.seed, threads)?;
+        let recording = self.expected_recording(&loaded, &noise);
+        let expected = recording.predict(&self.path, self.file.motion.seed, threads)?;
         let gains = match self.payload() {
             Some(_) => {
-                let unloaded = self.expected_record(&unloaded, &noise);
-                record.gains(&unloaded, (&self.path, self.file.motion.seed), threads)?
+                let unloaded = self.expected_recording(&unloaded, &noise);
+                recording.gains(&unloaded, &self.path, self.file.motion.seed, threads)?
             }
             None => Vec::new(),
         };
-        progress("looking for what would show more");
-        let remedies = self.remedies(&problem, (&base, &limits), (&chosen.motion, &expected), threads);
+        progress("searching a motion for what stays unknown");
+        let remedies = self.remedies(&problem, &base, &limits, &chosen.motion, &expected, threads);
         self.results(&model, &base, chosen, Forecast { expected, remedies, gains, compared })
     }
 
@@ -100,7 +101,7 @@ impl Design {
         for k in 0..starts.len() {
             match self.repaired(model, problem, limits, &starts[k]) {
                 Ok((x, Verified { uses, collision })) => {
-                    // The one that is taken stands first.
+                    // The chosen one comes first.
                     starts[..=k].rotate_right(1);
                     let motion = self.sampled(&problem.watched, &x);
                     let torque = problem.loads.torques(&motion, Sign::Exact).swap_remove(0);
@@ -117,18 +118,18 @@ impl Design {
     }
 
     /// The motion at the rate of the trajectory.
-    pub(super) fn sampled(&self, motions: &Motions, x: &[f64]) -> Derivatives {
+    pub(in crate::design) fn sampled(&self, motions: &Motions, x: &[f64]) -> Derivatives {
         let rate = self.file.sample_rate_hz;
         let count = (self.file.duration_s * rate).round() as usize;
         let grid: Vec<f64> = (0..=count).map(|k| (k as f64 / rate).min(self.file.duration_s)).collect();
         motions.on(x, &grid)
     }
 
-    /// The motion that the robot makes and its torques, as it is expected and without its payload: in the closed loop where a
-    /// controller is described.
-    fn moved(&self, model: &Model, chosen: &FeasibleMotion) -> Result<[TrueMotion; 2], DesignError> {
+    /// The true motion and torques of the expected robot and of the robot without its payload: in the closed loop if a controller is
+    /// described.
+    fn true_motions(&self, model: &Model, chosen: &FeasibleMotion) -> Result<[TrueMotion; 2], DesignError> {
         let of = |theta: &[f64]| match &self.settings.controller {
-            Some(controller) => self.followed((model, controller), &chosen.motion[0], theta),
+            Some(controller) => self.followed(model, controller, &chosen.motion[0], theta),
             None => {
                 let loads = Loads::new(model, &[theta.to_vec()], Vec::new());
                 let tau = loads.torques(&chosen.motion, Sign::Exact).swap_remove(0);
@@ -143,7 +144,8 @@ impl Design {
     /// The motion of a robot in the closed loop, whose controller is made for the robot without payload.
     fn followed(
         &self,
-        (model, controller): (&Model, &ControllerDescription),
+        model: &Model,
+        controller: &ControllerDescription,
         q: &Series,
         theta: &[f64],
     ) -> Result<TrueMotion, DesignError> {
@@ -159,13 +161,13 @@ impl Design {
         Ok(TrueMotion { q: motion.q, tau: motion.tau })
     }
 
-    fn expected_record<'a>(&'a self, moved: &'a TrueMotion, position_noise: &'a [f64]) -> ExpectedRecord<'a> {
-        ExpectedRecord {
+    fn expected_recording<'a>(&'a self, motion: &'a TrueMotion, position_noise: &'a [f64]) -> ExpectedRecording<'a> {
+        ExpectedRecording {
             robot: &self.robot,
             settings: &self.settings,
             sample_rate_hz: self.file.sample_rate_hz,
-            q: &moved.q,
-            tau: &moved.tau,
+            q: &motion.q,
+            tau: &motion.tau,
             torque_noise: &self.noise.deviations,
             torque_spectrum: self.noise.spectrum.as_ref(),
             position_noise,
@@ -173,7 +175,7 @@ impl Design {
     }
 }
 
-/// What a robot does.
+/// The true motion of a robot and its torques.
 #[derive(Clone)]
 struct TrueMotion {
     q: Series,

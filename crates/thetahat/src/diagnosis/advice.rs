@@ -22,7 +22,7 @@ fn advice(evidence: &Evidence<'_>) -> Advice {
         [on_estimates(evidence, take), evidence.problems.on_joints(), of_loops.join(" ")]
     };
     let said: Vec<&str> = sentences.iter().map(|s| s.trim()).filter(|s| !s.is_empty()).collect();
-    Advice { case: evidence.diagnosis.case.clone(), take, distrust, text: said.join(" ") }
+    Advice { case: evidence.diagnosis.case.clone(), recommended: take, distrust, text: said.join(" ") }
 }
 
 /// Whether a method that was run is not to be trusted.
@@ -146,7 +146,7 @@ pub(super) mod tests {
     fn what_is_taken_was_run_has_an_estimate_and_is_not_distrusted() {
         all(&mut |evidence, advice| {
             let what = || format!("{:?} {:?}: {advice:?}", evidence.runs, evidence.diagnosis);
-            if let Some(method) = advice.take {
+            if let Some(method) = advice.recommended {
                 assert!(evidence.has_estimate(method) && !advice.distrust.contains(&method), "{}", what());
                 let name = method.name();
                 assert!(advice.text.starts_with(&format!("Take {name}")), "{}", what());
@@ -163,7 +163,7 @@ pub(super) mod tests {
             let (runs, iv_to_ls) = (evidence.runs.clone(), evidence.iv_to_ls);
             let refused =
                 advice(&Evidence { diagnosis: evidence.diagnosis, runs, iv_to_ls, distances: Vec::new(), problems });
-            assert!(refused.take.is_none() && refused.distrust.len() == evidence.runs.len(), "{refused:?}");
+            assert!(refused.recommended.is_none() && refused.distrust.len() == evidence.runs.len(), "{refused:?}");
             assert_eq!(
                 refused.text,
                 "Take none of these estimates: the recordings have a problem that makes them false (wrong-robot in \
@@ -197,9 +197,9 @@ pub(super) mod tests {
             let (distances, problems) = (Vec::new(), Problems::default());
             advice(&Evidence { diagnosis: &diagnosis, runs, iv_to_ls, distances, problems })
         };
-        assert_eq!(of(Some(1.2)).take, Some(Method::IDIM_IV));
+        assert_eq!(of(Some(1.2)).recommended, Some(Method::IDIM_IV));
         let wasteful = of(Some(5.0));
-        assert_eq!((wasteful.take, wasteful.distrust), (Some(Method::IDIM_LS), Vec::new()));
+        assert_eq!((wasteful.recommended, wasteful.distrust), (Some(Method::IDIM_LS), Vec::new()));
         assert!(wasteful.text.contains("5 times as uncertain"), "{}", wasteful.text);
     }
 
@@ -215,7 +215,7 @@ pub(super) mod tests {
         };
         assert_eq!(of(0.4).distrust, Vec::new());
         let far = of(20.0);
-        assert_eq!((far.take, far.distrust), (Some(Method::IDIM_IV), vec![Method::CLOE]));
+        assert_eq!((far.recommended, far.distrust), (Some(Method::IDIM_IV), vec![Method::CLOE]));
         assert!(far.text.contains("Distrust cloe: it differs from idim-iv by 20 standard deviations"), "{}", far.text);
     }
 

@@ -37,8 +37,8 @@ pub(super) fn explained(
     let is_certain = |test: &FTest| test.p_value <= Explained::LIMIT;
     let test = test_of(x.columns())?;
     let test = if is_certain(&test) { test } else { test_of(absorbed(j).ceil() as usize)? };
-    let stands_out = if is_certain(&test) { None } else { stands_out(&x, &centred) };
-    Some(Explained { test, stands_out })
+    let deviations_above_shifted = if is_certain(&test) { None } else { deviations_above_shifted(&x, &centred) };
+    Some(Explained { test, deviations_above_shifted })
 }
 
 /// How many parameters the rows of each joint determine: the sums of their leverages, whitened, which are all parameters together.
@@ -69,7 +69,7 @@ fn less_mean(y: &[f64]) -> Vec<f64> {
 
 /// By how many robust deviations of the shifted fits the logarithm of what is left is below their median; none if the fits
 /// leave nothing, or do not differ.
-fn stands_out(x: &Matrix, y: &[f64]) -> Option<f64> {
+fn deviations_above_shifted(x: &Matrix, y: &[f64]) -> Option<f64> {
     if x.columns() == 0 || x.columns() >= x.rows() {
         return None;
     }

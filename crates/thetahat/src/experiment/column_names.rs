@@ -51,8 +51,8 @@ const TORQUE: [&str; 17] = [
     "strom",
 ];
 const OTHER: [&str; 8] = ["ddq", "qdd", "acc", "accel", "acceleration", "accelerations", "temp", "temperature"];
-/// Words by which a signal is the wanted one and not the measured one.
-const WANTED: [&str; 13] = [
+/// Words that mark a signal as desired, not measured.
+const DESIRED_WORDS: [&str; 13] = [
     "ref",
     "reference",
     "references",
@@ -67,13 +67,13 @@ const WANTED: [&str; 13] = [
     "goal",
     "soll",
 ];
-/// Short for "desired" behind the name of a signal: `q_d`, `tau_J_d`.
+/// Short for "desired" after the name of a signal: `q_d`, `tau_J_d`.
 const DESIRED: &str = "d";
 
 /// Spellings of a reference of the positions in one word.
 const REFERENCE: [&str; 6] = ["qg", "qref", "qdes", "qcmd", "qr", "qsoll"];
 
-/// Words of file names that tell files of one recording apart no more than those of its signals do.
+/// Words of file names that do not distinguish recordings, like the names of signals.
 const FILLERS: [&str; 12] =
     ["read", "data", "meas", "measured", "actual", "motor", "mot", "joint", "joints", "log", "file", "raw"];
 
@@ -85,45 +85,45 @@ pub(super) struct Reading {
     pub(super) number: Option<usize>,
 }
 
-/// Reads the name of a column; none where it names no signal that is used.
+/// Reads the name of a column; `None` if it names no signal that is used.
 pub(super) fn read(name: &str) -> Option<Reading> {
     let words = words(name);
-    let signal = signal(&words, has_word(&words, &WANTED))?;
+    let signal = signal(&words, has_word(&words, &DESIRED_WORDS))?;
     Some(Reading { signal, number: number_in(&words) })
 }
 
-/// The same of a column beside others: `q_d` is the desired value where there is a `q`, and not the position of a joint `d`.
+/// The same of a column among others: `q_d` is the desired value where there is a `q`, and not the position of a joint `d`.
 pub(super) fn read_among<'n>(name: &str, mut others: impl Iterator<Item = &'n str>) -> Option<Reading> {
     let words = words(name);
     let without = without_desired(&words);
     let is_desired = without.is_some_and(|without| others.any(|other| self::words(other) == without));
-    let signal = signal(&words, is_desired || has_word(&words, &WANTED))?;
+    let signal = signal(&words, is_desired || has_word(&words, &DESIRED_WORDS))?;
     Some(Reading { signal, number: number_in(&words) })
 }
 
-/// What the name of a file says that its columns hold: wanted values of nothing else are those of the positions.
+/// What the name of a file says that its columns hold: desired values of an unnamed signal are positions.
 pub(super) fn read_file_name(name: &str) -> Option<Signal> {
-    if says_only_wanted(name) {
+    if says_only_desired(name) {
         return Some(Signal::Reference);
     }
     let words = words(name);
-    signal(&words, without_desired(&words).is_some() || has_word(&words, &WANTED))
+    signal(&words, without_desired(&words).is_some() || has_word(&words, &DESIRED_WORDS))
 }
 
-/// Whether a name says that values are wanted ones, and not of which signal.
-pub(super) fn says_only_wanted(name: &str) -> bool {
+/// Whether a name says that values are desired ones, but not of which signal.
+pub(super) fn says_only_desired(name: &str) -> bool {
     let words = words(name);
     let lists: [&[&str]; 5] = [&TIME, &POSITION, &VELOCITY, &TORQUE, &OTHER];
-    has_word(&words, &WANTED) && !lists.iter().any(|list| has_word(&words, list))
+    has_word(&words, &DESIRED_WORDS) && !lists.iter().any(|list| has_word(&words, list))
 }
 
-/// The words without the one for "desired"; none where there is none.
+/// The words without the one for "desired"; `None` if there is no such word.
 fn without_desired(words: &[String]) -> Option<Vec<String>> {
     let at = words.iter().skip(1).rposition(|word| word == DESIRED)? + 1;
     Some([&words[..at], &words[at + 1..]].concat())
 }
 
-fn signal(words: &[String], is_wanted: bool) -> Option<Signal> {
+fn signal(words: &[String], is_desired: bool) -> Option<Signal> {
     let has = |list: &[&str]| has_word(words, list);
     let signal = match (has(&POSITION), has(&VELOCITY), has(&TORQUE), has(&TIME)) {
         _ if has(&OTHER) => None,
@@ -133,7 +133,7 @@ fn signal(words: &[String], is_wanted: bool) -> Option<Signal> {
         (.., true) => Some(Signal::Time),
         _ => None,
     };
-    match (signal, is_wanted) {
+    match (signal, is_desired) {
         (None, _) if has(&REFERENCE) && !has(&OTHER) => Some(Signal::Reference),
         (Some(Signal::Position), true) => Some(Signal::Reference),
         (Some(Signal::Time) | None, false) | (Some(_), false) => signal,
@@ -144,16 +144,16 @@ fn signal(words: &[String], is_wanted: bool) -> Option<Signal> {
 /// Whether a name has no words but those of signals, of files and of units, and numbers.
 pub(super) fn has_only_words_of_signals(name: &str) -> bool {
     const UNITS: [&str; 8] = ["rad", "deg", "m", "mm", "nm", "n", "a", "ma"];
-    let lists: [&[&str]; 7] = [&TIME, &POSITION, &VELOCITY, &TORQUE, &WANTED, &FILLERS, &UNITS];
+    let lists: [&[&str]; 7] = [&TIME, &POSITION, &VELOCITY, &TORQUE, &DESIRED_WORDS, &FILLERS, &UNITS];
     let is_known =
         |word: &String| word.parse::<u64>().is_ok() || lists.iter().any(|list| list.contains(&word.as_str()));
     words(name).iter().all(is_known)
 }
 
-/// Whether a name has no word of any signal, used or not: what the column holds must be told by something else.
+/// Whether a name has no word of any signal, used or not: something else must show what the column holds.
 pub(super) fn is_silent(name: &str) -> bool {
     let words = words(name);
-    let lists: [&[&str]; 7] = [&TIME, &POSITION, &VELOCITY, &TORQUE, &OTHER, &WANTED, &REFERENCE];
+    let lists: [&[&str]; 7] = [&TIME, &POSITION, &VELOCITY, &TORQUE, &OTHER, &DESIRED_WORDS, &REFERENCE];
     !lists.iter().any(|list| has_word(&words, list))
 }
 
@@ -162,9 +162,9 @@ pub(super) fn says_motor(name: &str) -> bool {
     has_word(&words(name), &["motor", "mot", "qm"])
 }
 
-/// What is left of a name without the words of signals, by which files of one recording find each other.
+/// The name without the words of signals: files of one recording have it in common.
 pub(super) fn without_signal(name: &str) -> Vec<String> {
-    let lists: [&[&str]; 7] = [&TIME, &POSITION, &VELOCITY, &TORQUE, &OTHER, &WANTED, &REFERENCE];
+    let lists: [&[&str]; 7] = [&TIME, &POSITION, &VELOCITY, &TORQUE, &OTHER, &DESIRED_WORDS, &REFERENCE];
     let mut words = words(name);
     words.retain(|w| !lists.iter().any(|list| list.contains(&w.as_str())) && !FILLERS.contains(&w.as_str()));
     words
@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn a_d_is_the_desired_value_beside_the_same_without() {
+    fn a_d_is_the_desired_value_where_the_same_name_without_it_exists() {
         let among = |name, others: &[&str]| read_among(name, others.iter().copied()).map(|r| r.signal);
         assert_eq!(among("q_d_0", &["q_0", "q_1"]), Some(Signal::Reference));
         assert_eq!(among("tau_J_d_3", &["tau_J_3"]), None);

@@ -8,8 +8,8 @@ use thetahat_data::recording::ChannelSource;
 use thetahat_estimation::signal::delayed;
 use thetahat_ground::series::Series;
 
-/// Every signal moved to where it belongs by its delay. What was recorded too late lacks its last samples: the record ends
-/// before them. What was recorded too early lacks its first, which are a gap.
+/// Every signal moved to where it belongs by its delay. A signal recorded too late lacks its last samples: the recording ends
+/// before them. A signal recorded too early lacks its first ones, which become a gap.
 pub(super) fn without_delays(recording: Recording, description: &RecordingDescription) -> Recording {
     let rate = recording.sample_rate_hz;
     let of = |source: Option<&ChannelSource>| source.map_or(0.0, |s| s.delay_s * rate);
@@ -35,7 +35,7 @@ pub(super) fn without_delays(recording: Recording, description: &RecordingDescri
     let channels = recording.channels.into_iter().map(channel).collect();
     Recording {
         channels,
-        gaps: moved_gaps(&recording.gaps, (lost(latest), lost(earliest)), end),
+        gaps: moved_gaps(&recording.gaps, lost(latest), lost(earliest), end),
         position: moved(recording.position, position),
         torque: recording.torque.map(|s| moved(s, torque)),
         velocity: recording.velocity.map(|s| moved(s, velocity)),
@@ -46,7 +46,7 @@ pub(super) fn without_delays(recording: Recording, description: &RecordingDescri
 }
 
 /// Gaps of all signals, which are earlier and later by up to so many samples, and the samples before the first.
-fn moved_gaps(gaps: &[Range<usize>], (earlier, later): (usize, usize), end: usize) -> Vec<Range<usize>> {
+fn moved_gaps(gaps: &[Range<usize>], earlier: usize, later: usize, end: usize) -> Vec<Range<usize>> {
     let before = (later > 0).then_some(0..later.min(end));
     let mut moved: Vec<Range<usize>> = before.into_iter().collect();
     for gap in gaps {

@@ -43,16 +43,16 @@ pub struct Experiment {
     pub(crate) robot_hashes: Vec<RobotFile>,
 }
 
-/// What an experiment file says beside its [`Settings`].
+/// The contents of an experiment file other than its [`Settings`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExperimentFile {
     /// A line that says what it is.
     pub title: String,
     /// The robot description, relative to the experiment file, or else to the folder of the data.
     pub robot: PathBuf,
-    /// The joints of the robot that do not move in the recordings, beside those that its description locks.
+    /// The joints of the robot that do not move in the recordings, in addition to those that its description locks.
     pub locks: Locks,
-    /// Torque terms beside those of the robot's description: `[[term]]`.
+    /// Torque terms in addition to those of the robot's description: `[[term]]`.
     pub terms: Vec<TermDescription>,
     /// The recordings to identify from: one `[recording]` or several `[[recording]]`.
     pub recording: Vec<RecordingDescription>,
@@ -60,7 +60,7 @@ pub struct ExperimentFile {
     pub validation: Vec<RecordingDescription>,
     /// A simulated recording instead.
     pub twin: Option<TwinDescription>,
-    /// A table of published figures to show beside ours, relative to the experiment file.
+    /// A table of published figures to compare with, relative to the experiment file.
     pub published: Option<PathBuf>,
 }
 
@@ -113,7 +113,7 @@ impl Tables {
 pub struct RecordingDescription {
     /// Its name in tables and messages; none takes its number.
     pub name: Option<String>,
-    /// Weight of its rows beside those of other recordings.
+    /// Weight of its rows relative to those of other recordings.
     #[serde(default = "one")]
     pub weight: f64,
     /// Samples per second, where there is no time channel.
@@ -135,11 +135,11 @@ pub struct RecordingDescription {
     pub torque: Option<ChannelSource>,
     /// The reference of the positions, where it was recorded.
     pub reference: Option<ChannelSource>,
-    /// How that is put right, on the side of the joints, where it was recorded late, scaled or from another zero.
+    /// Corrects the reference, on the side of the joints, if it was recorded late, scaled or from another zero.
     pub reference_correction: Option<ReferenceCorrection>,
     /// The `[[payload]]` that the robot carries, by its name.
     pub payload: Option<String>,
-    /// A signal that was added to the drive signals behind the controller; the torque channel includes it.
+    /// A signal that was added to the drive signals after the controller; the torque channel includes it.
     pub added_signal: Option<ChannelSource>,
     /// Other channels by name, as the robot's torque terms take them, such as `temperature`: one column, or one for each
     /// coordinate.
@@ -188,7 +188,7 @@ fn one_or_several<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Reco
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TwinDescription {
-    /// Samples per second of the record.
+    /// Samples per second of the recording.
     pub sample_rate_hz: f64,
     /// The true base parameters by name.
     #[serde(default)]
@@ -196,10 +196,10 @@ pub struct TwinDescription {
     /// The true values of those that are not listed.
     #[serde(default)]
     pub unlisted: Unlisted,
-    /// End points of the moves in degrees (or mm for prismatic joints), the first where the robot starts.
+    /// End points of the moves in degrees (or mm for prismatic joints); the robot starts at the first.
     #[serde(default)]
     pub points: Vec<Vec<f64>>,
-    /// The motion that it follows instead of moves, at `sample_rate_hz`: a file beside the experiment.
+    /// The motion that it follows instead of moves, at `sample_rate_hz`: a file in the folder of the experiment or the one above.
     pub reference: Option<ChannelSource>,
     /// Largest velocity of each joint, degrees/s or mm/s.
     #[serde(default, deserialize_with = "one_or_each::list")]
@@ -210,10 +210,10 @@ pub struct TwinDescription {
     /// Time over which the acceleration is smoothed, s.
     #[serde(default)]
     pub smoothing_time_s: f64,
-    /// Rest before the first and behind the last move, s.
+    /// Rest before the first and after the last move, s.
     #[serde(default)]
     pub rest_s: f64,
-    /// From the motion to its record.
+    /// The sensors of the recording.
     pub sensors: Sensors,
 }
 
@@ -245,7 +245,7 @@ const DEMO: &str = include_str!("../../demo/demo.toml");
 const DEMO_ROBOT: &str = include_str!("../../demo/tx40.toml");
 
 impl Experiment {
-    /// Reads an experiment and its robot, which is looked for beside the experiment and then in the folder `data`.
+    /// Reads an experiment and its robot, which is looked for in the folder of the experiment and then in the folder `data`.
     ///
     /// # Errors
     /// [`ExperimentError`], with the file and the line or key.
@@ -254,9 +254,9 @@ impl Experiment {
         let (file, settings) = parse(&text, path)?;
         let robot = RobotSource::read(&paths::robot(path, &file.robot, data)?)?;
         if let Some(published) = &file.published {
-            paths::beside(path, "published", published)?;
+            paths::path_in_project(path, "published", published)?;
         }
-        Self::assemble(path, (file, settings), text, robot)
+        Self::assemble(path, file, settings, text, robot)
     }
 
     /// The same with another robot description than the one that the experiment names.
@@ -265,8 +265,8 @@ impl Experiment {
     /// As [`Experiment::read`].
     pub fn read_with_robot(path: &Path, robot: &Path) -> Result<Self, ExperimentError> {
         let text = read_text(path)?;
-        let parsed = parse(&text, path)?;
-        Self::assemble(path, parsed, text, RobotSource::read(robot)?)
+        let (file, settings) = parse(&text, path)?;
+        Self::assemble(path, file, settings, text, RobotSource::read(robot)?)
     }
 
     /// An experiment from the texts of its two files; `path` is its name in messages.
@@ -276,13 +276,13 @@ impl Experiment {
     pub fn from_texts(path: &Path, text: String, robot_text: String) -> Result<Self, ExperimentError> {
         let (file, settings) = parse(&text, path)?;
         let source = RobotSource::from_text(robot_text, &file.robot)?;
-        Self::assemble(path, (file, settings), text, source)
+        Self::assemble(path, file, settings, text, source)
     }
 
     /// The built-in demonstration: a TX40 twin.
     ///
     /// # Errors
-    /// None in a build that passes its tests.
+    /// Infallible in practice: the files are part of the program and tested.
     pub fn demo() -> Result<Self, ExperimentError> {
         Self::from_texts(Path::new("experiments/demo.toml"), DEMO.to_owned(), DEMO_ROBOT.to_owned())
     }
@@ -316,7 +316,8 @@ impl Experiment {
 
     fn assemble(
         path: &Path,
-        (mut file, settings): (ExperimentFile, Settings),
+        mut file: ExperimentFile,
+        settings: Settings,
         text: String,
         source: RobotSource,
     ) -> Result<Self, ExperimentError> {
@@ -333,7 +334,7 @@ impl Experiment {
         Ok(experiment)
     }
 
-    /// What is refused of the settings, with the file in which they stand.
+    /// An error in the settings, with the file that holds them.
     pub(crate) fn refuse(&self, source: impl Into<PreparationError>) -> ExperimentError {
         ExperimentError::Preparation { path: self.path.clone(), source: source.into() }
     }

@@ -26,13 +26,26 @@ pub enum ExperimentError {
         /// The parser's message, with line, column and the expected keys.
         message: String,
     },
-    /// What the experiment says cannot be used for its robot or recordings.
+    /// The experiment does not fit its robot or recordings.
     #[error("{}: {source}", path.display())]
     Preparation {
         /// The experiment file.
         path: PathBuf,
         /// Why.
         source: PreparationError,
+    },
+    /// A file that the experiment names lies outside its folder.
+    #[error(
+        "{}: {key} is {}, expected a file in the folder of the experiment or the one above{}", path.display(), found.display(),
+        if *key == "robot" { ", or in the folder of the data" } else { "" }
+    )]
+    OutsideFolder {
+        /// The experiment file.
+        path: PathBuf,
+        /// The key that names the file.
+        key: String,
+        /// The file as it is named.
+        found: PathBuf,
     },
     /// No filter can be chosen.
     #[error("{}: no filter can be chosen from the recordings: {source}", path.display())]
@@ -56,7 +69,7 @@ pub enum ExperimentError {
         /// Why.
         source: TrajectoryError,
     },
-    /// The twin's record cannot be simulated.
+    /// The twin's recording cannot be simulated.
     #[error("{}: [twin] {source}", path.display())]
     Twin {
         /// The experiment file.
@@ -82,15 +95,14 @@ pub enum ExperimentError {
         path: PathBuf,
     },
     /// The results do not say which file the robot was read from.
-    #[error("{}: does not say which file its robot was read from; name it with --robot instead of --data", path.display())]
+    #[error("{}: does not say which file its robot was read from; name that file", path.display())]
     UnknownRobotFile {
         /// The results.
         path: PathBuf,
     },
     /// The results are not to be used.
     #[error(
-        "{}: the verdict on these results is do-not-use: {}; put that right and identify again, or take them all the \
-         same with --untrusted",
+        "{}: the verdict on these results is do-not-use: {}; put that right and identify again",
         path.display(), reasons.join("; ")
     )]
     NotTrusted {
@@ -135,8 +147,8 @@ pub enum ExperimentError {
     },
     /// The robot description has changed since the identification.
     #[error(
-        "{}: has changed since the identification (SHA-256 {found}, then {identified}); identify again with it, or leave \
-         out --robot and --data: the description of then is in the results",
+        "{}: has changed since the identification (SHA-256 {found}, then {identified}); identify again with it, or take \
+         the description of then, which is in the results",
         path.display()
     )]
     RobotChanged {

@@ -1,4 +1,4 @@
-//! The one way from results to a robot with identified parameters.
+//! From results to a robot with identified parameters: the only way, for predictions and exports.
 
 use std::path::{Path, PathBuf};
 
@@ -10,32 +10,33 @@ use super::{
 };
 use crate::{
     diagnosis::judge,
-    preparation::{Case, Settings, Setup},
+    preparation::{Case, PreparationError, Recording, Settings, Setup, SignalOptions},
+    run::{Identification, Identified, predict_torques},
 };
 use thetahat_estimation::identification::{Method, Status};
 use thetahat_model::{
     base_parameters::BaseParameters,
     robot::{Robot, RobotSource},
 };
-use thetahat_report::results::{NOMINAL, Results, RunResult, Verdict, VerdictReason};
+use thetahat_report::results::{NOMINAL, Prediction, Results, RunResult, Verdict, VerdictReason};
 
-/// Which estimate of results is taken, and what is required of it.
+/// Which estimate of results to use, and what is required of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EstimateRequest {
     /// The case.
     pub case: String,
-    /// The method; none takes the one that the results advise.
+    /// The method; `None` for the one that the results recommend.
     pub method: Option<Method>,
-    /// The robot description, which must be the one that was identified; none takes the text in the results.
+    /// The robot description, which must be the identified one; `None` for the text in the results.
     pub robot: Option<PathBuf>,
     /// The folder in which that description is looked for by its name.
     pub data: Option<PathBuf>,
-    /// Whether results whose verdict is do-not-use are taken.
+    /// Whether results with the verdict do-not-use are accepted.
     pub untrusted: bool,
 }
 
 impl Default for EstimateRequest {
-    /// The nominal estimate that the results advise.
+    /// The nominal estimate that the results recommend.
     fn default() -> Self {
         Self { case: NOMINAL.to_owned(), method: None, robot: None, data: None, untrusted: false }
     }
@@ -47,7 +48,7 @@ pub struct IdentifiedRobot {
     /// The robot, with the joints that were locked, the constants of torque terms that were found, and the friction model of
     /// the case.
     pub robot: Robot,
-    /// How it was identified; where the results are of arrays, which parameters, and else what is usual.
+    /// How it was identified; for results of arrays the estimated parameters, and defaults otherwise.
     pub settings: Settings,
     /// The case.
     pub case: Case,
@@ -55,20 +56,50 @@ pub struct IdentifiedRobot {
     pub run: RunResult,
     /// All base parameters of the robot, those that the run does not estimate included.
     pub base: BaseParameters,
-    /// What the results are good for.
+    /// The verdict on the results.
     pub verdict: Verdict,
-    /// Why they are not good, the gravest first.
+    /// The reasons of the verdict, the most serious first.
     pub verdict_reasons: Vec<VerdictReason>,
     /// Title of the results.
     pub title: String,
-    /// The description in the results.
-    pub source: RobotSource,
+    /// The robot's description, where the results hold it: an export to URDF edits it.
+    pub source: Option<RobotSource>,
     /// The files that were read: that of the results, and those of the description that was compared with it.
     pub files: Vec<PathBuf>,
     experiment: Option<Experiment>,
+    /// Whether the settings' filters are those of the identification.
+    knows_filters: bool,
 }
 
 impl IdentifiedRobot {
+    /// The robot of an identification with the estimates of a run of its results, in memory.
+    ///
+    /// # Errors
+    /// As [`IdentifiedRobot::of_results`].
+    pub fn of_identification(
+        identification: &Identification,
+        results: &Results,
+        request: &EstimateRequest,
+    ) -> Result<Self, ExperimentError> {
+        let Setup { robot, settings } = identification.setup();
+        let subject = Subject { robot: robot.clone(), settings: settings.clone(), file: None, experiment: None };
+        let robot = Self::of_subject(Path::new("results"), results, request, |_| Ok(subject))?;
+        Ok(Self { knows_filters: true, files: Vec::new(), ..robot })
+    }
+
+    /// The same with the text of the robot's description, which an export to URDF edits.
+    #[must_use]
+    pub fn with_description(self, source: RobotSource) -> Self {
+        Self { source: Some(source), ..self }
+    }
+
+    /// The same with the filters of the identification, which results of arrays do not hold and a prediction needs.
+    #[must_use]
+    pub fn with_filters(mut self, signal: SignalOptions) -> Self {
+        self.settings.signal = signal;
+        Self { knows_filters: true, ..self }
+    }
+
     /// That of a `results.json`.
     ///
     /// # Errors
@@ -77,20 +108,33 @@ impl IdentifiedRobot {
         Self::of_results(path, &Results::read(path)?, request)
     }
 
-    /// The robot of results with the estimates of a run; `path` names the results in messages. Results of before the verdict are
-    /// judged now.
+    /// The robot of results with the estimates of a run; `path` names the results in messages. The verdict of results from before
+    /// verdicts existed is computed now.
     ///
     /// # Errors
     /// [`ExperimentError`]: results that are not to be used, no such estimate, parameters that are not those of the robot, or
     /// another description than the one that was identified.
     pub fn of_results(path: &Path, results: &Results, request: &EstimateRequest) -> Result<Self, ExperimentError> {
+        let text = results.robot_description.clone();
+        let source = |path| RobotSource::from_text(text, path);
+        let robot = Self::of_subject(path, results, request, |run| Subject::of(path, results, run))?;
+        Ok(Self { source: Some(source(path)?), knows_filters: robot.experiment.is_some(), ..robot })
+    }
+
+    /// The robot of results and of what they were identified from.
+    fn of_subject(
+        path: &Path,
+        results: &Results,
+        request: &EstimateRequest,
+        subject: impl FnOnce(&RunResult) -> Result<Subject, ExperimentError>,
+    ) -> Result<Self, ExperimentError> {
         let (verdict, verdict_reasons) = judged(results);
         if verdict == Verdict::DoNotUse && !request.untrusted {
             return Err(not_trusted(path, &verdict_reasons));
         }
         let no_estimate = |source| ExperimentError::NoEstimate { path: path.to_owned(), source };
         let run = results.estimate(&request.case, request.method).map_err(no_estimate)?;
-        let Subject { robot, settings, file, experiment } = Subject::of(path, results, run)?;
+        let Subject { robot, settings, file, experiment } = subject(run)?;
         let mut files = vec![path.to_owned()];
         if let Some(description) = description_file(path, request, file)? {
             files.extend(require_same(results, &robot, &description)?);
@@ -104,7 +148,7 @@ impl IdentifiedRobot {
             robot: setup.robot_for(&case),
             run: run.clone(),
             title: results.title.clone(),
-            source: RobotSource::from_text(results.robot_description.clone(), path)?,
+            source: None,
             settings,
             case,
             base,
@@ -112,7 +156,35 @@ impl IdentifiedRobot {
             verdict_reasons,
             files,
             experiment,
+            knows_filters: false,
         })
+    }
+
+    /// The torques that the estimates predict for a motion, with the verdict on them; and their error where the recording has
+    /// torques. The motion is filtered as the recordings of the identification were.
+    ///
+    /// # Errors
+    /// [`PreparationError`] for a recording that does not fit the robot, and where the filters are not known: results of arrays
+    /// that were read from a file need [`IdentifiedRobot::with_filters`].
+    pub fn predict(&self, mut recording: Recording) -> Result<Prediction, PreparationError> {
+        if !self.knows_filters {
+            let why = "the results are of arrays and do not hold the filters of the identification";
+            return Err(PreparationError::Missing { missing: "[signal]", why });
+        }
+        if recording.name.is_empty() {
+            recording.name = "1".to_owned();
+        }
+        recording.validate(self.robot.coordinate_count())?;
+        self.predict_valid(recording)
+    }
+
+    /// The same for a recording that is known to fit.
+    pub(super) fn predict_valid(&self, recording: Recording) -> Result<Prediction, PreparationError> {
+        let Self { run, case, verdict, verdict_reasons, .. } = self;
+        let parameters = run.parameters.iter().map(|p| (p.name.clone(), p.estimate)).collect();
+        let verdict = (*verdict, verdict_reasons.clone());
+        let estimate = Identified { case, method: run.method, parameters, verdict };
+        predict_torques(self.setup(), &estimate, recording)
     }
 
     /// The estimates of all base parameters: zero of those that the run does not estimate, as in its model.
@@ -138,10 +210,15 @@ impl IdentifiedRobot {
         format!("identified by {}{title}, {} case; verdict: {verdict}{status}", run.method, case.name)
     }
 
-    /// The experiment that the results are of; none where they are of arrays.
+    /// The experiment that the results are of; `None` if they are of arrays.
     #[must_use]
     pub fn experiment(&self) -> Option<&Experiment> {
         self.experiment.as_ref()
+    }
+
+    /// The URDF that the robot was read from, where it was and is known.
+    pub(crate) fn urdf_text(&self) -> Option<&str> {
+        self.source.as_ref().and_then(RobotSource::urdf_text)
     }
 
     pub(crate) fn setup(&self) -> Setup<'_> {

@@ -1,7 +1,7 @@
 //! An experiment: one TOML file that describes a run, and what it proposes for a recording.
 //!
 //! [`Experiment::read`] checks the file; [`Experiment::run`] reads its recordings and identifies the robot with its settings
-//! ([`crate::run::Identification`]). The twin ([`Experiment::demo`]) goes the same way from a simulated record.
+//! ([`crate::run::Identification`]). The twin ([`Experiment::demo`]) does the same with a simulated recording.
 //!
 //! ```
 //! use thetahat::Experiment;
@@ -30,15 +30,19 @@ mod twin;
 mod unit_words;
 mod validation;
 
-pub(crate) use paths::beside;
+pub(crate) use paths::path_in_project;
 
+#[doc(hidden)]
 pub use description::{Experiment, ExperimentFile, RecordingDescription, TwinDescription, Unlisted};
 pub use error::ExperimentError;
 pub use identified::{EstimateRequest, IdentifiedRobot};
+#[doc(hidden)]
 pub use power::PowerPoint;
 pub use predict::{PredictionRequest, predict};
 pub use proposal::{
-    Proposal, ProposalError, ProposalFiles, ProposalRequest, ProposedChannels, ProposedClock, ProposedLock,
-    ProposedRecording, ProposedSignal, propose,
+    Proposal, ProposalError, ProposalFiles, ProposalRequest, ProposedChannels, ProposedSignal, propose,
 };
+#[doc(hidden)]
+pub use proposal::{ProposedClock, ProposedLock, ProposedRecording};
+#[doc(hidden)]
 pub use twin::{TwinMotion, TwinReference};

@@ -7,18 +7,18 @@ use super::error::ExperimentError;
 use crate::preparation::PreparationError;
 use thetahat_ground::files;
 
-/// The robot description: beside the experiment, or else in the folder of the data.
+/// The robot description: relative to the experiment, or else in the folder of the data.
 pub(super) fn robot(experiment: &Path, named: &Path, data: &Path) -> Result<PathBuf, ExperimentError> {
     let here = folder(experiment).join(named);
     let there = data.join(named);
     if files::exists(&here) || !files::exists(&there) {
-        return beside(experiment, "robot", named);
+        return path_in_project(experiment, "robot", named);
     }
     if is_inside(&there, data) { Ok(there) } else { Err(outside(experiment, "robot", named)) }
 }
 
 /// A file named by the experiment, relative to it: inside its folder or the folder above.
-pub(crate) fn beside(experiment: &Path, key: &str, named: &Path) -> Result<PathBuf, ExperimentError> {
+pub(crate) fn path_in_project(experiment: &Path, key: &str, named: &Path) -> Result<PathBuf, ExperimentError> {
     let own = folder(experiment);
     let path = own.join(named);
     // What is not there is reported where it is read.
@@ -41,8 +41,5 @@ fn is_inside(file: &Path, folder: &Path) -> bool {
 }
 
 fn outside(experiment: &Path, key: &str, named: &Path) -> ExperimentError {
-    let expected = "a file in the folder of the experiment or the one above (a robot also in the folder of the data, or \
-                    anywhere by --robot)";
-    let source = PreparationError::value(key, expected, named.display());
-    ExperimentError::Preparation { path: experiment.to_owned(), source }
+    ExperimentError::OutsideFolder { path: experiment.to_owned(), key: key.to_owned(), found: named.to_owned() }
 }

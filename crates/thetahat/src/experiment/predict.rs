@@ -7,35 +7,32 @@ use super::{
     error::ExperimentError,
     identified::{EstimateRequest, IdentifiedRobot},
 };
-use crate::{
-    preparation::PreparationError,
-    run::{Identified, predict_torques},
-};
+use crate::preparation::PreparationError;
 use thetahat_data::recording::{ChannelSource, Side, Unit};
 use thetahat_estimation::identification::Method;
 use thetahat_ground::one_or_each::OneOrEach;
 use thetahat_report::results::Prediction;
 
-/// What to predict with which run.
+/// What to predict, and with which run.
 #[derive(Debug, Clone)]
 pub struct PredictionRequest {
     /// The `results.json` of an identification.
     pub results: PathBuf,
     /// The recording's file; its channels are described as in the experiment.
     pub recording: PathBuf,
-    /// The file of the torques, where it is another one.
+    /// The file of the torques, if it is another one.
     pub torque_file: Option<PathBuf>,
-    /// Columns of the positions; none takes those of the experiment.
+    /// Columns of the positions; those of the experiment if empty.
     pub position: Vec<String>,
     /// Columns of the torques, likewise.
     pub torque: Vec<String>,
     /// The time column, likewise.
     pub time: Option<String>,
-    /// Start and end of the window, s; none takes that of the experiment.
+    /// Start and end of the window, s; `None` for that of the experiment.
     pub window_s: Option<[f64; 2]>,
     /// The case.
     pub case: String,
-    /// The method; none takes the one that the results advise.
+    /// The method; `None` for the one that the results recommend.
     pub method: Option<Method>,
 }
 
@@ -62,11 +59,7 @@ pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentErro
     } else {
         experiment.read_motion(&description, Path::new(""))?
     };
-    let IdentifiedRobot { run, case, verdict, verdict_reasons, .. } = &identified;
-    let parameters = run.parameters.iter().map(|p| (p.name.clone(), p.estimate)).collect();
-    let verdict = (*verdict, verdict_reasons.clone());
-    let estimate = Identified { case, method: run.method, parameters, verdict };
-    predict_torques(identified.setup(), &estimate, recording).map_err(|e| experiment.refuse(e))
+    identified.predict_valid(recording).map_err(|e| experiment.refuse(e))
 }
 
 /// The experiment's description of a recording, with the files and columns of the request: that of the same file, with
@@ -81,7 +74,7 @@ fn described(experiment: &Experiment, request: &PredictionRequest) -> Result<Rec
     if let Some([start, end]) = request.window_s {
         let valid = start.is_finite() && start >= 0.0 && end.is_finite() && end > start;
         let expected = "a start at or above zero and an end behind it";
-        PreparationError::require(valid, "--window-s", expected, format!("{start} {end}"))
+        PreparationError::require(valid, "window_s", expected, format!("{start} {end}"))
             .map_err(|e| experiment.refuse(e))?;
         (description.window_start_s, description.window_end_s) = (Some(start), Some(end));
     } else if same.is_none() {
@@ -90,17 +83,17 @@ fn described(experiment: &Experiment, request: &PredictionRequest) -> Result<Rec
     if same.is_none() {
         description.payload = None;
     }
-    take(&mut description.position, &request.recording, &request.position);
+    rename_source(&mut description.position, &request.recording, &request.position);
     if let Some(torque) = &mut description.torque {
-        let beside = torque.file == chosen.position.file || !request.torque.is_empty();
-        let file = request.torque_file.as_ref().or(beside.then_some(&request.recording));
-        file.iter().for_each(|file| take(torque, file, &request.torque));
+        let in_same_file = torque.file == chosen.position.file || !request.torque.is_empty();
+        let file = request.torque_file.as_ref().or(in_same_file.then_some(&request.recording));
+        file.iter().for_each(|file| rename_source(torque, file, &request.torque));
     } else if !request.torque.is_empty() || request.torque_file.is_some() {
         return Err(experiment.missing("[recording] torque", "it says the unit and the side of the torques"));
     }
     let time = description.time.take().or_else(|| request.time.as_ref().map(|_| seconds(&description.position)));
     description.time = time.map(|mut time| {
-        take(&mut time, &request.recording, request.time.as_slice());
+        rename_source(&mut time, &request.recording, request.time.as_slice());
         time
     });
     if description.time.is_some() {
@@ -118,7 +111,7 @@ fn described(experiment: &Experiment, request: &PredictionRequest) -> Result<Rec
 }
 
 /// A source with another file, and with other columns where any are named.
-fn take(source: &mut ChannelSource, file: &Path, columns: &[String]) {
+fn rename_source(source: &mut ChannelSource, file: &Path, columns: &[String]) {
     source.file = file.to_owned();
     source.anywhere = true;
     if !columns.is_empty() {

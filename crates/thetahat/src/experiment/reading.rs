@@ -95,13 +95,12 @@ impl Experiment {
 
     fn read_channels(&self, source: &ChannelSource, data: &Path) -> Result<Series, ExperimentError> {
         let series = recording::read_channels(source, data)?;
-        let joints = self.robot.coordinate_count();
-        if series.channels() == joints {
+        let (expected, found) = (self.robot.coordinate_count(), series.channels());
+        if found == expected {
             return Ok(series);
         }
-        let key = format!("{}: number of channels", source.path(data).display());
-        let expected = format!("{joints}, one for each joint of {}", self.robot.name);
-        Err(self.refuse(PreparationError::value(&key, &expected, series.channels())))
+        let place = source.path(data).display().to_string();
+        Err(self.refuse(PreparationError::JointCount { place, expected, found }))
     }
 }
 
@@ -150,7 +149,7 @@ fn of_all_channels(times: Series, source: &ChannelSource, file: &Path) -> Result
         return Err(RecordingError::NotLong { file: file.to_owned(), problem });
     }
     let mean = |k: usize| times.sample(k).iter().sum::<f64>() / times.channels() as f64;
-    Ok(Series::from_values(1, (0..samples).map(mean).collect()))
+    Ok(Series::shaped(1, (0..samples).map(mean).collect()))
 }
 
 /// The channels that the robot's torque terms take.

@@ -15,8 +15,7 @@ use thetahat_ground::pool::available_threads;
 use thetahat_report::results::{FilterChoice, RecordingFindings, Results, Sensitivity};
 
 impl Experiment {
-    /// Runs every case and method. `data` is the folder against which the paths of the data are resolved; `progress` is
-    /// told what is being done.
+    /// Runs every case and method. `data` is the folder against which the paths of the data are resolved; `progress` receives what is being done.
     ///
     /// A method that does not converge or a motion that does not identify the parameters is not an error: the run says
     /// so in its status.
@@ -27,7 +26,7 @@ impl Experiment {
         self.run_on_threads(data, available_threads(), progress)
     }
 
-    /// The same on so many threads, on which the results do not depend.
+    /// The same on `threads` threads; the results do not depend on their number.
     ///
     /// # Errors
     /// As [`Experiment::run`].
@@ -71,8 +70,8 @@ impl Experiment {
         })
     }
 
-    /// Estimates by IV and DIDIM with each error of the simulator, on top of none. `progress` is told how many of how many
-    /// estimations are done; the result does not depend on the number of `threads`.
+    /// Estimates by IV and DIDIM without an error of the simulator and with each one. `progress` receives the number of estimations that
+    /// are done and their total; the result does not depend on the number of `threads`.
     ///
     /// # Errors
     /// [`ExperimentError`] for input that cannot be used, or without a `[controller]`.
@@ -98,7 +97,7 @@ impl Experiment {
         Ok(of_robot.chain(of_recordings.map_err(|e| self.refuse(e))?).collect())
     }
 
-    /// The filter that is best for the estimates from the recordings, compared with the experiment's own where `own` says so. The
+    /// The filter that is best for the estimates from the recordings, compared with the experiment's own if `own` is true. The
     /// result does not depend on the number of `threads`.
     ///
     /// # Errors
@@ -125,7 +124,7 @@ impl Experiment {
         Identification::new(&self.robot, recordings, self.settings.clone()).map_err(|e| self.refuse(e))
     }
 
-    /// The recordings to identify from, on the joint side and at equal time steps, or the record of the twin.
+    /// The recordings to identify from, on the joint side and at equal time steps, or the recording of the twin.
     ///
     /// # Errors
     /// [`ExperimentError`] for files that cannot be used, or a twin that cannot be simulated.

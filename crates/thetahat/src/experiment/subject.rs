@@ -1,4 +1,4 @@
-//! What results are of: the robot and the settings, from an experiment or of arrays.
+//! The robot and the settings that results belong to, from an experiment or of arrays.
 
 use std::path::{Path, PathBuf};
 
@@ -27,7 +27,7 @@ impl Experiment {
     }
 }
 
-/// What was identified, and how.
+/// The identified robot, and the settings.
 pub(super) struct Subject {
     pub(super) robot: Robot,
     pub(super) settings: Settings,
@@ -69,8 +69,8 @@ impl Subject {
     }
 }
 
-/// Refuses a run whose parameters are not those of the robot and the experiment beside it: a prediction without one of
-/// them, or with one of another robot, would be wrong without a sign of it.
+/// Refuses a run whose parameters are not those of its robot and experiment: a prediction that misses one of them, or uses one of
+/// another robot, would be wrong without notice.
 pub(super) fn require_same_parameters(
     results: &Results,
     run: &RunResult,

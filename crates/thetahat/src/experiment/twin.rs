@@ -16,7 +16,7 @@ use thetahat_estimation::{
 };
 use thetahat_ground::{digest::sha256, files, series::Series};
 use thetahat_model::{base_parameters::BaseParameters, dynamics::Model};
-use thetahat_report::results::TwinRecord;
+use thetahat_report::results::TwinRecording;
 
 /// Fewer samples of a twin cannot be filtered; more are not needed for any use of it: an hour at 25 kHz.
 const TWIN_SAMPLES: std::ops::RangeInclusive<f64> = 100.0..=1e8;
@@ -26,7 +26,7 @@ const TWIN_SAMPLES: std::ops::RangeInclusive<f64> = 100.0..=1e8;
 pub enum TwinReference {
     /// Moves.
     Moves(Moves),
-    /// Positions of the joints at the samples of its record.
+    /// Positions of the joints at the samples of its recording.
     Sampled(Series),
 }
 
@@ -48,7 +48,7 @@ impl TwinReference {
         }
     }
 
-    /// Samples of a record that ends so long behind it.
+    /// Samples of a recording that ends `rest_s` after the motion.
     fn samples(&self, sample_rate_hz: f64, rest_s: f64) -> f64 {
         match self {
             Self::Moves(moves) => (moves.end_s() + rest_s) * sample_rate_hz,
@@ -56,7 +56,7 @@ impl TwinReference {
         }
     }
 
-    /// As a simulation takes it.
+    /// The reference of a simulation.
     fn simulated(&self, sample_rate_hz: f64) -> Reference {
         match self {
             Self::Moves(moves) => Reference::Moves(moves.clone()),
@@ -77,14 +77,14 @@ pub struct TwinMotion {
 }
 
 impl TwinMotion {
-    /// The positions that it follows, at the samples of its record.
+    /// The positions that it follows, at the samples of its recording.
     fn followed(&self, samples: usize) -> Option<Series> {
         match &self.reference {
             TwinReference::Moves(_) => None,
             TwinReference::Sampled(positions) => {
                 let last = positions.len() - 1;
                 let values = (0..samples).flat_map(|k| positions.sample(k.min(last)).iter().copied());
-                Some(Series::from_values(positions.channels(), values.collect()))
+                Some(Series::shaped(positions.channels(), values.collect()))
             }
         }
     }
@@ -107,17 +107,17 @@ impl Experiment {
         Ok(self.record_motion(&twin.sensors, twin.sample_rate_hz, &self.twin_motion(twin)?))
     }
 
-    /// The record of the twin of `[twin]`: time in s, positions and torques of the joints.
+    /// The simulated recording of `[twin]`: time in s, positions and torques of the joints.
     ///
     /// # Errors
     /// [`ExperimentError`] where there is no twin, or its motion cannot be simulated.
-    pub fn record_twin(&self) -> Result<TwinRecord, ExperimentError> {
+    pub fn record_twin(&self) -> Result<TwinRecording, ExperimentError> {
         let why = "it describes the simulated robot that is recorded";
         let twin = self.file.twin.as_ref().ok_or_else(|| self.missing("[twin]", why))?;
         let Recording { sample_rate_hz, position, torque, .. } = self.simulate_twin(twin)?;
         let joints = self.robot.coordinates().map(|j| j.name.clone()).collect();
         let torque = torque.unwrap_or_else(|| Series::zeros(position.len(), position.channels()));
-        Ok(TwinRecord { joints, sample_rate_hz, position, torque })
+        Ok(TwinRecording { joints, sample_rate_hz, position, torque })
     }
 
     /// The motion of a twin before its sensors, with this experiment's robot, controller and solver.
@@ -160,25 +160,25 @@ impl Experiment {
         Recording { torque_hold_s: sample_time_s.min(1.0 / sample_rate_hz), ..recording }
     }
 
-    /// What the twin follows: its moves, or the positions of a file beside the experiment.
+    /// What the twin follows: its moves, or the positions of a file of the experiment.
     fn reference_of(&self, twin: &TwinDescription) -> Result<TwinReference, ExperimentError> {
         let Some(source) = &twin.reference else { return self.plan(twin).map(TwinReference::Moves) };
-        paths::beside(&self.path, "[twin] reference", &source.file)?;
+        paths::path_in_project(&self.path, "[twin] reference", &source.file)?;
         let positions = self.read_joint_positions(source, self.folder())?;
         let (found, expected) = (positions.len(), "positions of a motion of two samples at least");
         PreparationError::require(found > 1, "[twin] reference", expected, found).map_err(|e| self.refuse(e))?;
         Ok(TwinReference::Sampled(positions))
     }
 
-    /// SHA-256 of the file that the twin follows, in hexadecimal digits; none where it follows moves. The experiment's text names the
-    /// file and does not hold it, so that records of two motions can have one text.
+    /// SHA-256 of the file that the twin follows, in hexadecimal digits; `None` if it follows moves. The experiment's text names the
+    /// file and does not hold it, so that recordings of two motions can have one text.
     ///
     /// # Errors
     /// [`ExperimentError`] for a file that cannot be read.
     pub fn reference_sha256(&self) -> Result<Option<String>, ExperimentError> {
         let followed = self.file.twin.as_ref().and_then(|twin| twin.reference.as_ref());
         let digest = |source: &ChannelSource| {
-            let path = paths::beside(&self.path, "[twin] reference", &source.file)?;
+            let path = paths::path_in_project(&self.path, "[twin] reference", &source.file)?;
             let content = files::read(&path);
             content.map(|c| sha256(&c)).map_err(|e| ExperimentError::Unreadable { path, reason: e.to_string() })
         };

@@ -135,7 +135,7 @@ impl Experiment {
                 self.require(
                     twin.points.is_empty(),
                     "[twin] points",
-                    "none beside a reference",
+                    "none with a reference",
                     entries(twin.points.len()),
                 )?;
                 self.validate_unit(source, "[twin] reference", &POSITION, POSITION)?;

@@ -11,7 +11,7 @@ use super::{
     mjcf::{self, MjcfModel},
     read_back::{Kinematics, robot_of},
     render::Export,
-    said::FormatCapability,
+    represented::RepresentedRobot,
     sdf_read,
 };
 use thetahat_model::{
@@ -30,11 +30,10 @@ const TOLERANCE: f64 = 1e-9;
 const ROUNDING: f64 = 1e-12;
 
 impl Export {
-    /// Reads the file back and compares inverse dynamics at 1000 random states with those of what the format can say of the
-    /// robot. Returns the largest difference, relative to the largest torque of its state.
+    /// Reads the file back and compares inverse dynamics at 1000 random states with those of the robot as the format represents it. Returns the largest difference, relative to the largest torque of its state.
     ///
     /// Everything that the torques depend on is read from the file, but for gravity, and the reductions of a URDF's
-    /// transmissions. Of a MuJoCo model of the user's own whose axes are those of the robot but for rounding (above 1e-12 rad or
+    /// transmissions. Of a MuJoCo model of the user's own whose axes are those of the robot up to rounding (above 1e-12 rad or
     /// m), the kinematics are the robot's.
     ///
     /// # Errors
@@ -42,21 +41,21 @@ impl Export {
     /// file cannot be read, [`ExportError::OtherJoints`], and [`ExportError::RoundTrip`] for a difference above 1e-9.
     pub fn check(&self) -> Result<f64, ExportError> {
         match self.format {
-            Format::Urdf => compare(&self.said, &read_back(&self.text, &self.said.robot)?),
-            Format::Mjcf => compare(&self.said, &self.read_model()?),
+            Format::Urdf => compare(&self.represented, &read_back(&self.text, &self.represented.robot)?),
+            Format::Mjcf => compare(&self.represented, &self.read_model()?),
             Format::Sdf => {
-                let links = sdf_read::read(&self.text, &self.said)?;
-                compare(&self.said, &robot_of(&self.said, &links, &[], Kinematics::File))
+                let links = sdf_read::read(&self.text, &self.represented)?;
+                compare(&self.represented, &robot_of(&self.represented, &links, &[], Kinematics::File))
             }
             Format::Json => Err(ExportError::NoReader { format: self.format }),
         }
     }
 
     fn read_model(&self) -> Result<Robot, ExportError> {
-        let read = mjcf::read(&MjcfModel::from_text(self.text.clone(), Path::new("the export")), &self.said)?;
+        let read = mjcf::read(&MjcfModel::from_text(self.text.clone(), Path::new("the export")), &self.represented)?;
         let rounded = self.is_edited_model && read.difference > ROUNDING;
         let kinematics = if rounded { Kinematics::Robot } else { Kinematics::File };
-        Ok(robot_of(&self.said, &read.links, &read.tendons, kinematics))
+        Ok(robot_of(&self.represented, &read.links, &read.tendons, kinematics))
     }
 }
 
@@ -80,10 +79,11 @@ fn order(names: &[&str], back: &Robot) -> Result<Vec<usize>, ExportError> {
     })
 }
 
-fn compare(said: &FormatCapability, back: &Robot) -> Result<f64, ExportError> {
-    let names: Vec<&str> = said.robot.coordinates().map(|j| j.name.as_str()).collect();
+fn compare(represented: &RepresentedRobot, back: &Robot) -> Result<f64, ExportError> {
+    let names: Vec<&str> = represented.robot.coordinates().map(|j| j.name.as_str()).collect();
     let order = order(&names, back)?;
-    let (exported, read) = (Torques::of(&said.robot, &said.parameters), Torques::of(back, &back.a_priori_parameters()));
+    let (exported, read) =
+        (Torques::of(&represented.robot, &represented.parameters), Torques::of(back, &back.a_priori_parameters()));
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let mut worst = (0.0, 0);
     for _ in 0..STATES {
@@ -112,7 +112,7 @@ struct Torques {
 impl Torques {
     fn of(robot: &Robot, parameters: &[f64]) -> Self {
         let model = Model::new(robot);
-        Self { parameters: DynamicParameters::new(&model, parameters), model }
+        Self { parameters: DynamicParameters::sorted(&model, parameters), model }
     }
 
     fn at(&self, [q, dq, ddq]: &[Vec<f64>; 3]) -> Vec<f64> {

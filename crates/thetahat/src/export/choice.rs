@@ -5,8 +5,8 @@ use thetahat_ground::linear_algebra::Matrix;
 use thetahat_model::consistency::{ConsistencyError, ConsistentSet, LeastSquares, Prior, fit};
 use thetahat_report::results::ParameterResult;
 
-/// Weight of the divergence from the a-priori parameters beside the distance from the estimate in its variances: it decides
-/// what the data leave free, and nothing that they say anything about.
+/// Weight of the divergence from the a-priori parameters relative to the distance from the estimate in its variances: small enough to
+/// decide only what the data leave free.
 const PRIOR: Prior = Prior::LogDet { weight: 1e-3 };
 
 /// How standard parameters keep the base parameters.
@@ -39,7 +39,7 @@ impl Posterior {
         }
     }
 
-    /// Takes over whether what was not estimated is held at zero.
+    /// Also sets whether what was not estimated is held at zero.
     fn settle(&mut self, holds: bool, standard: Vec<f64>) -> Vec<f64> {
         let held = self.held.take().filter(|_| holds);
         if let Some(held) = held {
@@ -55,8 +55,7 @@ impl Posterior {
         standard
     }
 
-    /// What an attempt finds with the base parameters held that were not estimated, or else with these free; and whether they
-    /// are held.
+    /// The result of an attempt with the base parameters held that were not estimated, or else with these free; and whether they are held.
     fn first_with_room(
         &self,
         attempt: impl Fn(&ConsistentSet) -> Result<Vec<f64>, ConsistencyError>,

@@ -2,7 +2,7 @@
 //!
 //! Our `iam` and `fvm` multiply the cross terms of `n^T n` alone, and `ia` and `fv` of the joints hold the diagonal. A tendon's
 //! armature and damping multiply all of `n^T n`, so the joints' own lose the diagonal. MuJoCo has none below zero: where a joint
-//! would get one, the motor's inertia or viscous friction cannot be said.
+//! would get one, the motor's inertia or viscous friction cannot be represented.
 
 use thetahat_model::{
     dynamics::{CoupledMotor, Model},
@@ -44,15 +44,15 @@ pub(super) fn tendons(robot: &Robot, parameters: &[f64]) -> Vec<Tendon> {
     model.coupled_motors().iter().map(tendon).collect()
 }
 
-/// The quantities of coupled motors that tendons cannot say, since a joint's own would be below zero.
-pub(super) fn unsayable(robot: &Robot, parameters: &[f64]) -> Vec<MotorQuantity> {
+/// The quantities of coupled motors that tendons cannot represent, since a joint's own would be below zero.
+pub(super) fn not_representable(robot: &Robot, parameters: &[f64]) -> Vec<MotorQuantity> {
     let tendons = tendons(robot, parameters);
     let below = |pair: &Pair| (0..robot.joints.len()).any(|j| rest_of(robot, parameters, &tendons, pair, j) < 0.0);
     [INERTIA, VISCOUS].iter().filter(|pair| below(pair)).map(|pair| pair.cross).collect()
 }
 
-/// The armature and the damping of a joint beside tendons.
-pub(super) fn beside(robot: &Robot, parameters: &[f64], tendons: &[Tendon], joint: usize) -> [f64; 2] {
+/// The armature and the damping of a joint, without what the tendons hold.
+pub(super) fn drive_without_tendons(robot: &Robot, parameters: &[f64], tendons: &[Tendon], joint: usize) -> [f64; 2] {
     [INERTIA, VISCOUS].map(|pair| rest_of(robot, parameters, tendons, &pair, joint))
 }
 

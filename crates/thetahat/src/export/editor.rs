@@ -1,4 +1,4 @@
-//! Edits of an XML text: bytes that no edit names stay as they are.
+//! Edits of an XML text: all other bytes stay unchanged.
 
 use std::ops::Range;
 
@@ -15,17 +15,17 @@ struct Edit {
 /// An edited file.
 pub(super) struct Edited {
     pub(super) text: String,
-    /// What was done beside replacing numbers, a sentence each.
+    /// What was done in addition to replacing numbers, a sentence each.
     pub(super) notes: Vec<String>,
 }
 
 impl Edited {
-    /// The text with a comment at its start, behind the XML declaration.
+    /// The text with a comment at its start, after the XML declaration.
     pub(super) fn with_header(&self, comment: &str) -> String {
-        let (before, behind) = self.text.split_at(start_of_content(&self.text));
-        let behind = without_own_comment(behind);
+        let (before, after) = self.text.split_at(start_of_content(&self.text));
+        let after = without_own_comment(after);
         let comment = if self.text.contains("\r\n") { comment.replace('\n', "\r\n") } else { comment.to_owned() };
-        format!("{before}{comment}{behind}")
+        format!("{before}{comment}{after}")
     }
 }
 
@@ -33,7 +33,7 @@ impl Edited {
 fn without_own_comment(text: &str) -> &str {
     let own = text.strip_prefix("<!--").filter(|inside| inside.trim_start().starts_with(MARK));
     let end = own.and_then(|inside| inside.find("-->").map(|at| &inside[at + "-->".len()..]));
-    end.map_or(text, |behind| behind.strip_prefix("\r\n").or(behind.strip_prefix('\n')).unwrap_or(behind))
+    end.map_or(text, |after| after.strip_prefix("\r\n").or(after.strip_prefix('\n')).unwrap_or(after))
 }
 
 /// An XML text with its edits.
@@ -86,7 +86,7 @@ impl<'t> Editor<'t> {
         }
     }
 
-    /// Takes an attribute out with the space before it.
+    /// Removes an attribute with the space before it.
     pub(super) fn remove(&mut self, element: Node<'_, '_>, key: &str) {
         if let Some(attribute) = element.attribute_node(key) {
             let range = attribute.range();
@@ -101,7 +101,7 @@ impl<'t> Editor<'t> {
         let end = element.range().end;
         let tag = self.text[..end].rfind("</").unwrap_or(end);
         let line = self.text[..tag].trim_end_matches([' ', '\t']).len();
-        // On a line of its own, or behind other content.
+        // On a line of its own, or after other content.
         let (at, before) = if self.text[..line].ends_with('\n') { (line, "") } else { (tag, line_end) };
         self.insert(at, format!("{before}{}{line_end}", lines.join(line_end)));
     }
@@ -152,7 +152,7 @@ impl<'t> Editor<'t> {
     }
 }
 
-/// Where the first element or comment may stand: behind the XML declaration and its line end.
+/// Where the first element or comment may stand: after the XML declaration and its line end.
 fn start_of_content(text: &str) -> usize {
     let start = text.len() - text.trim_start_matches('\u{feff}').len();
     if !text[start..].starts_with("<?xml") {

@@ -70,7 +70,7 @@ pub enum ExportError {
     #[error("the export cannot be written as JSON: {0}")]
     Unwritable(#[from] serde_json::Error),
     /// No reader for a check.
-    #[error("{} is not read back: it holds the parameters as they are; leave out --check", format.title())]
+    #[error("{} is not read back: it holds the parameters as they are, and nothing is to be checked", format.title())]
     NoReader {
         /// The format.
         format: Format,

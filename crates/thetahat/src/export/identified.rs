@@ -60,7 +60,7 @@ impl IdentifiedModel {
     /// As [`export_robot`].
     pub fn export<'t>(&self, target: impl Into<Target<'t>>) -> Result<Export, ExportError> {
         let Self { identified, standard, .. } = self;
-        export_robot(&identified.robot, identified.source.urdf_text(), standard, target, &self.about())
+        export_robot(&identified.robot, identified.urdf_text(), standard, target, &self.about())
     }
 
     /// What there is to say of the exported parameters, a sentence each: how they were chosen, what moved, and what was not

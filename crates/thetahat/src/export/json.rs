@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::said::FormatCapability;
+use super::represented::RepresentedRobot;
 use thetahat_model::robot::{Joint, JointKind, Parameter, Robot, TermDescription};
 
 #[derive(Serialize)]
@@ -59,8 +59,8 @@ struct Value {
 }
 
 /// The JSON of a robot; `about` says where it comes from.
-pub(super) fn json(said: &FormatCapability, about: &[String]) -> Result<String, serde_json::Error> {
-    let robot = &said.robot;
+pub(super) fn json(represented: &RepresentedRobot, about: &[String]) -> Result<String, serde_json::Error> {
+    let robot = &represented.robot;
     let a_priori = robot.a_priori_parameters();
     let value = |((p, value), a_priori): ((&Parameter, &f64), &f64)| {
         (p.name(), Value { value: *value, a_priori: *a_priori, unit: p.unit.to_string() })
@@ -80,7 +80,7 @@ pub(super) fn json(said: &FormatCapability, about: &[String]) -> Result<String, 
             drive_gain: robot.transmission.drive_gain(),
         },
         terms: &robot.term_descriptions,
-        parameters: said.table.iter().zip(&said.parameters).zip(&a_priori).map(value).collect(),
+        parameters: represented.table.iter().zip(&represented.parameters).zip(&a_priori).map(value).collect(),
     };
     Ok(serde_json::to_string_pretty(&model)? + "\n")
 }

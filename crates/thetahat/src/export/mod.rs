@@ -16,7 +16,7 @@
 //! // Torques of the file, read back, at 1000 random states.
 //! assert!(export.check()? < 1e-9);
 //! // URDF has no motor inertia.
-//! assert!(export.unsaid[0].contains("ia1 = 0.1"));
+//! assert!(export.not_represented[0].contains("ia1 = 0.1"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -36,7 +36,7 @@ mod posterior;
 mod provenance;
 mod read_back;
 mod render;
-mod said;
+mod represented;
 mod samples;
 mod sdf;
 mod sdf_read;
@@ -52,7 +52,11 @@ mod xml;
 pub use error::ExportError;
 pub use format::Format;
 pub use identified::IdentifiedModel;
-pub use mjcf::{MjcfError, MjcfModel};
+#[doc(hidden)]
+pub use mjcf::MjcfError;
+pub use mjcf::MjcfModel;
+#[doc(hidden)]
 pub use provenance::{MovedParameter, Provenance};
 pub use render::{Export, Target, export_robot};
+#[doc(hidden)]
 pub use samples::Sample;

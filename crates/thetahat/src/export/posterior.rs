@@ -27,8 +27,8 @@ pub(super) struct Posterior {
     pub(super) path: PathBuf,
     pub(super) method: Method,
     pub(super) set: ConsistentSet,
-    /// The part of the set that has the base parameters at zero that were not estimated, as the identified model has; none
-    /// where all were.
+    /// The part of the set that has the base parameters at zero that were not estimated, as the identified model has; `None`
+    /// if all were.
     pub(super) held: Option<ConsistentSet>,
     /// The base parameters that were estimated.
     pub(super) base: BaseParameters,
@@ -40,7 +40,7 @@ pub(super) struct Posterior {
     pub(super) provenance: Vec<Provenance>,
     /// Deviations by which the estimate is outside of the set.
     pub(super) outside: Option<f64>,
-    /// Whether the data reject every consistent robot; none where that was not tested.
+    /// Whether the data reject every consistent robot; `None` if that was not tested.
     pub(super) rejects: Option<bool>,
     /// The consistent estimate in the results.
     pub(super) consistent: Option<Vec<f64>>,
@@ -85,7 +85,7 @@ impl Posterior {
     }
 
     /// What was not estimated is not in the identified model: friction, offsets and torque terms are zero, and motor inertias
-    /// that have no a-priori value; not so what is known of them.
+    /// that have no a-priori value; except those that are given.
     fn set_zeros(&mut self, known: &[KnownQuantity]) -> Result<(), ExportError> {
         let known: Vec<String> = known.iter().flat_map(KnownQuantity::named).collect();
         let table = self.set.parameter_table().clone();
@@ -104,7 +104,7 @@ impl Posterior {
         Ok(())
     }
 
-    /// The part of the set with the base parameters at zero that were not estimated, but for those that are given.
+    /// The part of the set with the base parameters at zero that were not estimated, except those that are given.
     fn holding(&self) -> Result<Option<ConsistentSet>, ExportError> {
         let left_out = self.left_out.filtered(|kept| self.provenance[kept] != Provenance::Given);
         let zeros = vec![[0.0; 2]; left_out.len()];

@@ -21,7 +21,7 @@ pub enum Provenance {
     Given,
     /// It is not in the identified model, which has it at zero.
     Zero,
-    /// No estimate holds it: its value is the a-priori one, as far as the robot is one of bodies.
+    /// No estimate holds it: its value is the a-priori one, changed only where the robot would not be physically possible.
     APriori,
 }
 
@@ -50,7 +50,7 @@ pub struct MovedParameter {
     pub estimate: f64,
     /// What the exported standard parameters make of it.
     pub exported: f64,
-    /// The difference in standard deviations; none where the results hold none.
+    /// The difference in standard deviations; `None` if the results have none.
     pub deviations: Option<f64>,
 }
 
@@ -58,7 +58,7 @@ pub struct MovedParameter {
 /// terms of one that has none.
 const ROUNDING: f64 = 1e-6;
 
-/// Of each standard parameter, as far as the estimates and what is given say it.
+/// The provenance of each standard parameter, from the estimates and the given values.
 pub(super) fn provenance(
     estimated: &BaseParameters,
     selection: &ParameterSelection,

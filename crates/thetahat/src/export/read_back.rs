@@ -1,6 +1,6 @@
 //! The robot that an exported file describes, in the names of the robot that was exported.
 
-use super::{coupling::Tendon, said::FormatCapability};
+use super::{coupling::Tendon, represented::RepresentedRobot};
 use thetahat_model::robot::{Frame, INERTIAL, JointQuantity, MotorQuantity, Parameter, Placement, Quantity, Robot};
 
 /// A link with its joint as a file has them.
@@ -26,12 +26,12 @@ pub(super) enum Kinematics {
 
 /// The exported robot with the values of the file, and its kinematics.
 pub(super) fn robot_of(
-    said: &FormatCapability,
+    represented: &RepresentedRobot,
     links: &[ReadLink],
     tendons: &[Tendon],
     kinematics: Kinematics,
 ) -> Robot {
-    let mut robot = said.robot.clone();
+    let mut robot = represented.robot.clone();
     if kinematics == Kinematics::File {
         for (joint, link) in robot.joints.iter_mut().zip(links) {
             joint.placement = Placement::new(&link.joint.rotation, link.joint.origin);
@@ -39,7 +39,7 @@ pub(super) fn robot_of(
         }
     }
     let value = |parameter: &Parameter| value(parameter, links, tendons, kinematics);
-    robot.a_priori = said.table.iter().map(|parameter| (parameter.name(), value(parameter))).collect();
+    robot.a_priori = represented.table.iter().map(|parameter| (parameter.name(), value(parameter))).collect();
     robot
 }
 

@@ -7,7 +7,7 @@ use super::{
     header,
     json::json,
     mjcf::{self, MjcfModel},
-    said::{FormatCapability, said},
+    represented::{RepresentedRobot, represented},
     sdf::sdf,
     urdf_edit::edited,
     urdf_new,
@@ -47,26 +47,26 @@ pub struct Export {
     pub format: Format,
     /// The content of the file.
     pub text: String,
-    /// What the format cannot say of the robot, a sentence each; it is in the file as well.
-    pub unsaid: Vec<String>,
-    /// What was done beside, as how bodies were split; it is in the file as well.
+    /// What the format cannot represent of the robot, a sentence each; it is in the file as well.
+    pub not_represented: Vec<String>,
+    /// What else was done, such as how bodies were split; it is in the file as well.
     pub notes: Vec<String>,
-    pub(super) said: FormatCapability,
+    pub(super) represented: RepresentedRobot,
     /// Whether it is a file of the user's own with its own kinematics.
     pub(super) is_edited_model: bool,
 }
 
 impl Export {
-    /// The robot as the format says it: the torques of the file are those of this robot.
+    /// The robot as the format represents it: the torques of the file are those of this robot.
     #[must_use]
     pub fn robot(&self) -> &Robot {
-        &self.said.robot
+        &self.represented.robot
     }
 
     /// Its standard parameters, SI, in the order of its table.
     #[must_use]
     pub fn parameters(&self) -> &[f64] {
-        &self.said.parameters
+        &self.represented.parameters
     }
 }
 
@@ -86,19 +86,26 @@ pub fn export_robot<'t>(
     about: &[String],
 ) -> Result<Export, ExportError> {
     let target = target.into();
-    let said = said(robot, parameters, target.format());
-    let header = |notes: &[String]| header::comment(robot, &said, about, notes);
+    let represented = represented(robot, parameters, target.format());
+    let header = |notes: &[String]| header::comment(robot, &represented, about, notes);
     let whole = |edited: Edited| (edited.with_header(&header(&edited.notes)), edited.notes);
     let (text, notes) = match (target, urdf) {
-        (Target::Into(model), _) => whole(mjcf::edited(model, &said)?),
-        (Target::File(Format::Urdf), Some(text)) => whole(edited(text, &said)?),
+        (Target::Into(model), _) => whole(mjcf::edited(model, &represented)?),
+        (Target::File(Format::Urdf), Some(text)) => whole(edited(text, &represented)?),
         (Target::File(Format::Urdf), None) => {
-            (urdf_new::urdf(&said, &header(&[]), robot.transmission.ratios().as_deref()), Vec::new())
+            (urdf_new::urdf(&represented, &header(&[]), robot.transmission.ratios().as_deref()), Vec::new())
         }
-        (Target::File(Format::Mjcf), _) => (mjcf::mjcf(&said, &header(&[])), Vec::new()),
-        (Target::File(Format::Sdf), _) => (sdf(&said, &header(&[])), Vec::new()),
-        (Target::File(Format::Json), _) => (json(&said, about)?, Vec::new()),
+        (Target::File(Format::Mjcf), _) => (mjcf::mjcf(&represented, &header(&[])), Vec::new()),
+        (Target::File(Format::Sdf), _) => (sdf(&represented, &header(&[])), Vec::new()),
+        (Target::File(Format::Json), _) => (json(&represented, about)?, Vec::new()),
     };
     let is_edited_model = matches!(target, Target::Into(_));
-    Ok(Export { format: target.format(), text, unsaid: said.unsaid.clone(), notes, said, is_edited_model })
+    Ok(Export {
+        format: target.format(),
+        text,
+        not_represented: represented.not_represented.clone(),
+        notes,
+        represented,
+        is_edited_model,
+    })
 }

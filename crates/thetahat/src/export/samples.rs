@@ -56,7 +56,8 @@ impl IdentifiedModel {
     /// As [`IdentifiedModel::sample`] and [`export_robot`], and what `take` returns.
     pub fn export_samples<E: From<ExportError>>(
         &self,
-        (count, seed): (u32, u64),
+        count: u32,
+        seed: u64,
         target: Target<'_>,
         threads: usize,
         mut take: impl FnMut(u32, Export) -> Result<(), E>,
@@ -80,6 +81,6 @@ impl IdentifiedModel {
         ];
         let about = [vec![self.identified.origin()], drawn.into(), self.provenance_in_words()].concat();
         let Self { identified, .. } = self;
-        export_robot(&identified.robot, identified.source.urdf_text(), &sample.standard, target, &about)
+        export_robot(&identified.robot, identified.urdf_text(), &sample.standard, target, &about)
     }
 }

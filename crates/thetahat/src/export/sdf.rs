@@ -3,28 +3,28 @@
 use super::{
     body::Body,
     frames::{LinkFrame, link_name},
-    said::FormatCapability,
+    represented::RepresentedRobot,
     xml::{escaped, number, numbers},
 };
 use thetahat_model::robot::{JointKind, JointQuantity, Robot};
 
 /// The SDF of a robot, with `header` at its start.
-pub(super) fn sdf(said: &FormatCapability, header: &str) -> String {
-    let robot = &said.robot;
+pub(super) fn sdf(represented: &RepresentedRobot, header: &str) -> String {
+    let robot = &represented.robot;
     // Mimic joints are of version 1.11.
     let version = if robot.joints.iter().any(|j| j.mimic.is_some()) { "1.11" } else { "1.9" };
     let mut lines =
         vec![format!("<sdf version=\"{version}\">"), format!("  <model name=\"{}\">", escaped(&robot.name))];
-    (0..robot.joints.len()).for_each(|k| lines.extend(link(said, k)));
-    (0..robot.joints.len()).for_each(|k| lines.extend(joint(said, k)));
+    (0..robot.joints.len()).for_each(|k| lines.extend(link(represented, k)));
+    (0..robot.joints.len()).for_each(|k| lines.extend(joint(represented, k)));
     lines.extend(["  </model>", "</sdf>"].map(str::to_owned));
     format!("<?xml version=\"1.0\"?>\n{header}{}\n", lines.join("\n"))
 }
 
-fn link(said: &FormatCapability, k: usize) -> Vec<String> {
-    let frame = LinkFrame::of(&said.robot, k);
-    let body = Body::new(said.inertial_of(k));
-    let within = said.robot.joints[k].parent.map_or_else(|| "__model__".to_owned(), link_name);
+fn link(represented: &RepresentedRobot, k: usize) -> Vec<String> {
+    let frame = LinkFrame::of(&represented.robot, k);
+    let body = Body::new(represented.inertial_of(k));
+    let within = represented.robot.joints[k].parent.map_or_else(|| "__model__".to_owned(), link_name);
     let pose = [frame.origin, frame.roll_pitch_yaw()].concat();
     let keys = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
     let inertia: String = keys.iter().zip(body.six()).map(|(k, v)| format!("<{k}>{}</{k}>", number(v))).collect();
@@ -40,15 +40,15 @@ fn link(said: &FormatCapability, k: usize) -> Vec<String> {
     ]
 }
 
-fn joint(said: &FormatCapability, k: usize) -> Vec<String> {
-    let joint = &said.robot.joints[k];
+fn joint(represented: &RepresentedRobot, k: usize) -> Vec<String> {
+    let joint = &represented.robot.joints[k];
     let kind = match joint.kind {
         JointKind::Revolute => "revolute",
         JointKind::Prismatic => "prismatic",
     };
     let parent = joint.parent.map_or_else(|| "world".to_owned(), link_name);
-    let [damping, friction] = [JointQuantity::Fv, JointQuantity::Fc].map(|q| number(said.of_joint(q, k)));
-    let axis = LinkFrame::of(&said.robot, k).axis;
+    let [damping, friction] = [JointQuantity::Fv, JointQuantity::Fc].map(|q| number(represented.of_joint(q, k)));
+    let axis = LinkFrame::of(&represented.robot, k).axis;
     let mut lines = vec![
         format!("    <joint name=\"{}\" type=\"{kind}\">", escaped(&joint.name)),
         format!("      <parent>{parent}</parent>"),
@@ -58,7 +58,7 @@ fn joint(said: &FormatCapability, k: usize) -> Vec<String> {
         limit(joint),
         format!("        <dynamics><damping>{damping}</damping><friction>{friction}</friction></dynamics>"),
     ];
-    lines.extend(mimic(&said.robot, joint));
+    lines.extend(mimic(&represented.robot, joint));
     lines.extend(["      </axis>", "    </joint>"].map(str::to_owned));
     lines
 }

@@ -4,16 +4,16 @@ use std::path::Path;
 
 use roxmltree::{Document, Node};
 
-use super::{editor, error::ExportError, read_back::ReadLink, said::FormatCapability};
+use super::{editor, error::ExportError, read_back::ReadLink, represented::RepresentedRobot};
 use thetahat_ground::vector::{Mat3, norm, scale, with_z};
 use thetahat_model::robot::{Frame, Joint, RigidBody, parse_xml, roll_pitch_yaw};
 
 /// The links of the exported robot as the file has them.
-pub(super) fn read(text: &str, said: &FormatCapability) -> Result<Vec<ReadLink>, ExportError> {
+pub(super) fn read(text: &str, represented: &RepresentedRobot) -> Result<Vec<ReadLink>, ExportError> {
     let document: Document<'_> = parse_xml(text, Path::new("the export")).map_err(|e| missing(&e.to_string()))?;
     let model = child(document.root_element(), "model")?;
     let links: Vec<Link<'_>> =
-        said.robot.joints.iter().map(|joint| Link::read(model, joint)).collect::<Result<_, _>>()?;
+        represented.robot.joints.iter().map(|joint| Link::read(model, joint)).collect::<Result<_, _>>()?;
     let read = |(link, joint): (&Link<'_>, &Joint)| {
         let before = joint.parent.map(|parent| &links[parent]);
         if link.carrier != before.map_or("world", |before| before.name) {
@@ -30,7 +30,7 @@ pub(super) fn read(text: &str, said: &FormatCapability) -> Result<Vec<ReadLink>,
             friction: link.friction,
         })
     };
-    links.iter().zip(&said.robot.joints).map(read).collect()
+    links.iter().zip(&represented.robot.joints).map(read).collect()
 }
 
 /// A link with the joint in front of it.

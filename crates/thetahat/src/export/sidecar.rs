@@ -1,4 +1,4 @@
-//! How sure the exported parameters are: a JSON file beside the export.
+//! The uncertainty of the exported parameters: a JSON file next to the export.
 
 use serde::Serialize;
 

@@ -1,7 +1,7 @@
 //! How an identified link is split among the links of a file that make it up.
 //!
-//! A file may fix links to the one behind a moving joint. Motion shows them as one body. The rule: the fixed links keep the
-//! inertia that the file gives them, and the link behind the joint gets the rest, if that is a body. If not, all fixed links
+//! A file may fix other links to the link that a joint moves. Motion shows them as one body. The rule: the fixed links keep the
+//! inertia that the file gives them, and the link that the joint moves gets the rest, if that is a body. If not, all fixed links
 //! are scaled by half the largest factor that leaves a body.
 
 use super::xml::number;
@@ -15,7 +15,7 @@ const HALVINGS: usize = 60;
 /// The inertial parameters that links of a URDF get, each about the origin of its own frame, in the order of the robot's table.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Shares {
-    /// Of the link behind the joint.
+    /// Of the link that the joint moves.
     pub(super) carrier: [f64; 10],
     /// The factor of the fixed links.
     pub(super) factor: f64,

@@ -1,21 +1,21 @@
-//! How sure the estimates of a run are.
+//! The uncertainty of the estimates of a run.
 
 use thetahat_estimation::statistics::CovarianceFactor;
 use thetahat_ground::linear_algebra::Matrix;
 use thetahat_report::results::{ParameterResult, RunResult};
 
-/// How sure the estimates are.
+/// The uncertainty of estimates.
 #[derive(Debug, Clone)]
 pub(super) struct Uncertainty {
     pub(super) covariance: Matrix,
     /// Whether the results hold correlations.
     pub(super) is_correlated: bool,
-    /// Its factor and what whitens with it; none where the covariance is singular.
+    /// Its factor and the whitening matrix; `None` if the covariance is singular.
     factor: Option<(CovarianceFactor, Matrix)>,
 }
 
 impl Uncertainty {
-    /// That of the estimates of a run; none where it has no deviations. Results of before their covariance have deviations
+    /// The uncertainty of the estimates of a run; `None` if it has no deviations. Results from before covariances were written have deviations
     /// alone.
     pub(super) fn of(run: &RunResult, estimates: &[ParameterResult]) -> Option<Self> {
         let (n, count) = (estimates.len(), run.parameters.len());
@@ -38,7 +38,7 @@ impl Uncertainty {
         Some(Self { covariance, is_correlated, factor })
     }
 
-    /// The estimates with an error of this covariance, of independent standard normal numbers; none where it is singular.
+    /// The estimates with an error of this covariance, of independent standard normal numbers; `None` if it is singular.
     pub(super) fn drawn(&self, estimates: &[ParameterResult], normal: &[f64]) -> Option<Vec<f64>> {
         let (factor, _) = self.factor.as_ref()?;
         Some(estimates.iter().zip(factor.coloured(normal)).map(|(p, error)| p.estimate + error).collect())

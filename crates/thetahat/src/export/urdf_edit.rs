@@ -7,7 +7,7 @@ use roxmltree::{Document, Node};
 use super::{
     body::Body,
     editor::{Edited, Editor, child},
-    said::FormatCapability,
+    represented::RepresentedRobot,
     split::split,
     xml::{number, numbers},
 };
@@ -16,10 +16,10 @@ use thetahat_model::robot::{JointQuantity, LinkPart, RobotError};
 /// One step of indentation that is added.
 const STEP: &str = "  ";
 
-/// The URDF `text`, from which the robot was read, with the inertias and the friction of `said`.
-pub(super) fn edited(text: &str, said: &FormatCapability) -> Result<Edited, RobotError> {
-    let parts = said.robot.parts_of_urdf(text, Path::new("the URDF of the results"))?;
-    let (bodies, notes) = bodies(said, &parts);
+/// The URDF `text`, from which the robot was read, with the inertias and the friction of `represented`.
+pub(super) fn edited(text: &str, represented: &RepresentedRobot) -> Result<Edited, RobotError> {
+    let parts = represented.robot.parts_of_urdf(text, Path::new("the URDF of the results"))?;
+    let (bodies, notes) = bodies(represented, &parts);
     let document = Document::parse(text)
         .map_err(|e| RobotError::Unreadable { path: "the URDF of the results".into(), reason: e.to_string() })?;
     let mut editor = Editor::new(text);
@@ -28,8 +28,8 @@ pub(super) fn edited(text: &str, said: &FormatCapability) -> Result<Edited, Robo
         match child.tag_name().name() {
             "link" => bodies.get(name).into_iter().for_each(|body| editor.set_body(child, body)),
             "joint" => {
-                let own = said.robot.joints.iter().position(|joint| joint.name == name);
-                own.into_iter().for_each(|joint| editor.set_friction(child, said, joint));
+                let own = represented.robot.joints.iter().position(|joint| joint.name == name);
+                own.into_iter().for_each(|joint| editor.set_friction(child, represented, joint));
             }
             _ => {}
         }
@@ -38,14 +38,14 @@ pub(super) fn edited(text: &str, said: &FormatCapability) -> Result<Edited, Robo
 }
 
 /// The bodies of the links that change, by name.
-fn bodies(said: &FormatCapability, parts: &[LinkPart]) -> (BTreeMap<String, Body>, Vec<String>) {
+fn bodies(represented: &RepresentedRobot, parts: &[LinkPart]) -> (BTreeMap<String, Body>, Vec<String>) {
     let (mut bodies, mut notes) = (BTreeMap::new(), Vec::new());
-    for k in 0..said.robot.joints.len() {
+    for k in 0..represented.robot.joints.len() {
         let own = |part: &&LinkPart| part.carrier == Some(k);
         let fixed: Vec<&LinkPart> =
             parts.iter().filter(own).filter(|p| !p.is_carrier && p.own.iter().any(|v| *v != 0.0)).collect();
         let Some(carrier) = parts.iter().filter(own).find(|part| part.is_carrier) else { continue };
-        let shares = split(said.inertial_of(k), &fixed.iter().map(|part| part.in_carrier).collect::<Vec<_>>());
+        let shares = split(represented.inertial_of(k), &fixed.iter().map(|part| part.in_carrier).collect::<Vec<_>>());
         bodies.insert(carrier.name.clone(), Body::new(shares.carrier));
         if fixed.is_empty() {
             continue;
@@ -89,8 +89,8 @@ impl Editor<'_> {
         }
     }
 
-    fn set_friction(&mut self, joint: Node<'_, '_>, said: &FormatCapability, index: usize) {
-        let [damping, friction] = [JointQuantity::Fv, JointQuantity::Fc].map(|q| said.of_joint(q, index));
+    fn set_friction(&mut self, joint: Node<'_, '_>, represented: &RepresentedRobot, index: usize) {
+        let [damping, friction] = [JointQuantity::Fv, JointQuantity::Fc].map(|q| represented.of_joint(q, index));
         let [viscous, coulomb] = [number(damping), number(friction)];
         if let Some(dynamics) = child(joint, "dynamics") {
             self.set(dynamics, "damping", &viscous);
@@ -106,7 +106,7 @@ impl Editor<'_> {
     }
 }
 
-/// An `<inertial>` in lines behind the indentation of its link.
+/// An `<inertial>` in lines, each after the indentation of its link.
 pub(super) fn inertial_lines(body: &Body, own: &str, line_end: &str) -> String {
     let [xx, xy, xz, yy, yz, zz] = body.six().map(number);
     let lines = [

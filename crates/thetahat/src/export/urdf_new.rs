@@ -3,40 +3,40 @@
 use super::{
     body::Body,
     frames::{LinkFrame, link_name},
-    said::FormatCapability,
+    represented::RepresentedRobot,
     urdf_edit::inertial_lines,
     xml::{escaped, number, numbers},
 };
 use thetahat_model::robot::{Joint, JointKind, JointQuantity, Robot};
 
-/// A limit that is not known: URDF must have one, and readers take zero as it stands.
+/// A limit that is not known: URDF must have one, and readers would take zero literally.
 const UNKNOWN: f64 = 1e9;
 
-/// The URDF of a robot, with `header` at its start. `reductions` are the gear ratios of the coordinates' motors, none where
+/// The URDF of a robot, with `header` at its start. `reductions` are the gear ratios of the coordinates' motors, `None` if
 /// motors are coupled.
-pub(super) fn urdf(said: &FormatCapability, header: &str, reductions: Option<&[f64]>) -> String {
-    let robot = &said.robot;
+pub(super) fn urdf(represented: &RepresentedRobot, header: &str, reductions: Option<&[f64]>) -> String {
+    let robot = &represented.robot;
     let mut lines =
         vec![format!("<robot name=\"{}\">", escaped(&robot.name)), "  <link name=\"base_link\"/>".to_owned()];
     for k in 0..robot.joints.len() {
-        let body = Body::new(said.inertial_of(k));
+        let body = Body::new(represented.inertial_of(k));
         lines.push(format!("  <link name=\"{}\">", link_name(k)));
         lines.push(inertial_lines(&body, "  ", "\n"));
         lines.push("  </link>".to_owned());
     }
-    (0..robot.joints.len()).for_each(|k| lines.extend(joint(said, k)));
+    (0..robot.joints.len()).for_each(|k| lines.extend(joint(represented, k)));
     let ratios = reductions.into_iter().flatten().zip(robot.coordinates());
     lines.extend(ratios.filter(|(ratio, _)| **ratio != 1.0).map(|(ratio, joint)| transmission(joint, *ratio)));
     lines.push("</robot>".to_owned());
     format!("<?xml version=\"1.0\"?>\n{header}{}\n", lines.join("\n"))
 }
 
-fn joint(said: &FormatCapability, k: usize) -> Vec<String> {
-    let FormatCapability { robot, .. } = said;
+fn joint(represented: &RepresentedRobot, k: usize) -> Vec<String> {
+    let RepresentedRobot { robot, .. } = represented;
     let joint = &robot.joints[k];
     let frame = LinkFrame::of(robot, k);
     let parent = joint.parent.map_or_else(|| "base_link".to_owned(), link_name);
-    let [damping, friction] = [JointQuantity::Fv, JointQuantity::Fc].map(|q| number(said.of_joint(q, k)));
+    let [damping, friction] = [JointQuantity::Fv, JointQuantity::Fc].map(|q| number(represented.of_joint(q, k)));
     let mut lines = vec![
         format!("  <joint name=\"{}\" type=\"{}\">", escaped(&joint.name), kind(joint)),
         format!("    <parent link=\"{parent}\"/>"),

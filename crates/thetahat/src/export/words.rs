@@ -10,8 +10,13 @@ impl IdentifiedModel {
         let read_back = read_back.map(|difference| {
             format!("read back: torques at 1000 random states differ by {difference:.1e} of the largest at most")
         });
-        let lines =
-            [vec![first], self.about(), export.notes.clone(), export.unsaid.clone(), read_back.into_iter().collect()];
+        let lines = [
+            vec![first],
+            self.about(),
+            export.notes.clone(),
+            export.not_represented.clone(),
+            read_back.into_iter().collect(),
+        ];
         lines.concat().into_iter().map(|line| line + "\n").collect()
     }
 }

@@ -33,7 +33,7 @@ pub(super) fn dynamics_hz(positions: &Spectrum, channel: usize, sample_rate_hz: 
     (below.count() + 1) as f64 * positions.step_hz
 }
 
-/// The density of a position's noise: the least of those of several bands.
+/// The noise density of a position: the smallest over several bands.
 fn floor(positions: &Spectrum, channel: usize, sample_rate_hz: f64) -> f64 {
     let width = (FLOOR.end - FLOOR.start) / FLOOR_BANDS as f64;
     let start = |i: usize| sample_rate_hz * (FLOOR.start + width * i as f64);

@@ -10,7 +10,7 @@ use super::{
     recorder::Recorder,
     score::{Errors, Tried, relative_errors, sizes},
     separated::separated,
-    twin::{Mover, Noise, RecordTwin},
+    twin::{Mover, Noise, RecordingTwin},
 };
 use crate::preparation::{
     Basis, Case, FilteredRecording, ParameterChoice, ParameterSelection, PreparationError, Problem, Recording,
@@ -29,26 +29,27 @@ use thetahat_model::{
 };
 use thetahat_report::results::{ComparedFilter, Filter, FilterChoice, FilterError};
 
-/// Records whose positions have other noise: as many as make so many samples of all joints, within limits.
-const RECORDS: [usize; 2] = [3, 10];
+/// Limits of the number of recordings of a twin, each with its own noise of the positions, and the samples of all joints that they
+/// have together.
+const RECORDINGS: [usize; 2] = [3, 10];
 const SAMPLES: usize = 600_000;
-/// Twins: each is made with the filter that those before chose.
+/// Number of twins: each is made with the filter that the earlier ones chose.
 const TWINS: usize = 2;
 /// Octaves within which filters are neighbours: half an octave in both of their parts.
 const NEIGHBOURS: f64 = 0.8;
-/// Rows for each parameter that a chosen filter keeps, where the record has them: behind fewer it is chance which motions they show,
-/// and a twin of slightly other parameters does not foretell the errors.
+/// Rows per parameter that a chosen filter keeps if the recording has them: with fewer, chance decides which motions they contain,
+/// and a twin with slightly different parameters does not predict the errors.
 const ROWS_PER_PARAMETER: f64 = 10.0;
-/// Longest stretch of a record of which a twin is made, in samples.
+/// Longest part of a recording from which a twin is made, in samples.
 const LONGEST: usize = 40_000;
 
 /// The filter with which IDIM-LS gives the estimates that are nearest to the truth, on twins of the longest recording.
 ///
 /// Of the settings, everything but the filter counts: which parameters are estimated, the order of the filter, the window. The
-/// settings' own filter is compared with the others where `own` says so. The result does not depend on the number of `threads`.
+/// settings' own filter is compared with the others if `own` is true. The result does not depend on the number of `threads`.
 ///
 /// # Errors
-/// [`FilterChoiceError`] where no recording can be filtered or gives an estimate.
+/// [`FilterChoiceError`] if no recording can be filtered or gives an estimate.
 pub fn choose_filter(
     robot: &Robot,
     settings: &Settings,
@@ -66,42 +67,46 @@ pub fn choose_filter(
     let stretch = whole.moving_stretch(for_dynamics(whole.dynamics_hz(), longest.sample_rate_hz))?;
     let samples: usize = recordings.iter().map(|r| r.position.len()).sum();
     let part = stretch.position.len() as f64 / samples as f64;
-    // The stretch is the window.
+    // The whole part is the window.
     let signal = SignalOptions { window_start_s: None, window_end_s: None, ..settings.signal };
     let study = Study { recording: stretch, part, settings: Settings { signal, ..whole.settings }, ..whole };
     study.choose(own, threads)
 }
 
-/// The estimates of all base parameters by IDIM-LS behind a filter.
+/// The estimates of all base parameters by IDIM-LS with a filter.
 ///
 /// # Errors
 /// [`FilterChoiceError`] where the recording cannot be filtered or gives no estimate.
-pub fn estimate_behind(robot: &Robot, recording: &Recording, filter: Filter) -> Result<Vec<f64>, FilterChoiceError> {
+pub fn estimate_with_filter(
+    robot: &Robot,
+    recording: &Recording,
+    filter: Filter,
+) -> Result<Vec<f64>, FilterChoiceError> {
     let study = Study::new(robot, &Settings::new(filter.cutoff_hz, filter.decimation), recording.clone())?;
     let settings = study.settings_with(filter);
     let (problem, _) = study.problem(&settings, recording, &ParameterChoice::Base)?;
     Ok(idim_ls(&problem.regression, Divisor::default())?.theta)
 }
 
-/// A stretch of a record of which twins are made.
+/// A part of a recording from which twins are made.
 struct Study<'a> {
     robot: &'a Robot,
     settings: Settings,
     recording: Recording,
-    /// Part of all samples that the stretch has: the noise of torques counts that much less in the whole record.
+    /// Fraction of all samples in this part: the variance of torque noise is that much smaller with the whole recording.
     part: f64,
     basis: Basis,
 }
 
-/// A twin with the parameters that are estimated from it.
+/// A twin and the parameters that are estimated from it.
 struct Twin {
-    record: RecordTwin,
+    recording: RecordingTwin,
     names: ParameterChoice,
     truth: Vec<f64>,
     sizes: Vec<f64>,
 }
 
-/// An estimate that a robot can have.
+/// A physically possible robot near the estimate.
 struct Truth {
     estimated: BaseParameters,
     /// Standard parameters of a robot near the estimate.
@@ -112,7 +117,7 @@ struct Truth {
 
 impl<'a> Study<'a> {
     fn new(robot: &'a Robot, settings: &Settings, recording: Recording) -> Result<Self, PreparationError> {
-        // What is fixed or carried is part of the twin.
+        // Fixed parameters and payloads are part of the twin.
         let parameters = ParameterSelection { fix: BTreeMap::new(), ..settings.parameters.clone() };
         let settings = Settings { parameters, payloads: Vec::new(), ..settings.clone() };
         let basis = Setup { robot, settings: &settings }.basis(&Case::nominal())?;
@@ -134,7 +139,7 @@ impl<'a> Study<'a> {
         (0..self.recording.position.channels()).map(dynamics).fold(0.0, f64::max)
     }
 
-    /// The window of the recording, its middle where it is too long.
+    /// The window of the recording, or the middle of it if it is too long.
     fn moving_stretch(&self, filter: Filter) -> Result<Recording, PreparationError> {
         let settings = self.settings_with(filter);
         let window = Setup { robot: self.robot, settings: &settings }.filter(self.recording.clone())?.window;
@@ -177,7 +182,7 @@ impl<'a> Study<'a> {
         Ok(FilterChoice { best, own, sample_rate_hz, dynamics_hz, compared })
     }
 
-    /// The filters that keep enough rows; those that keep the most where none does.
+    /// The filters that keep enough rows, or those that keep the most if none does.
     fn with_rows(&self, filters: Vec<Filter>) -> Vec<Filter> {
         let samples = self.recording.position.values().len() as f64 / self.part;
         let most = samples / (ROWS_PER_PARAMETER * self.basis.base.len() as f64);
@@ -185,45 +190,45 @@ impl<'a> Study<'a> {
         filters.into_iter().filter(|f| f.decimation as f64 <= most.max(least as f64)).collect()
     }
 
-    /// A twin with the parameters that a filter gives: its noise is what the estimate leaves, its motion that of a robot near
-    /// it that follows the recorded one behind the position filter of `motion`.
+    /// A twin with the parameters that a filter gives: its noise is the residual of the estimate, its motion that of a robot near the
+    /// estimate that follows the recorded motion after the position filter of `motion`.
     fn twin(&self, filter: Filter, motion: Filter) -> Result<Twin, FilterChoiceError> {
         let Truth { estimated, standard, controller, recorder } = self.truth(filter)?;
         let model = &self.basis.model;
         let mover = Mover { robot: self.robot, model, theta: &standard, controller: &controller };
-        let record = RecordTwin::of(&self.recording, motion.cutoff_hz, &recorder, &mover)?;
+        let recording = RecordingTwin::new(&self.recording, motion.cutoff_hz, &recorder, &mover)?;
         let names = ParameterChoice::List(estimated.parameters().iter().map(|p| p.name.clone()).collect());
         let truth = estimated.from_standard(&standard);
         let sizes = sizes(model, &estimated, &truth);
-        Ok(Twin { record, names, truth, sizes })
+        Ok(Twin { recording, names, truth, sizes })
     }
 
-    /// The errors of the estimates from a twin behind each filter.
+    /// The errors of the estimates from a twin with each filter.
     fn relative_errors(&self, twin: &Twin, filters: &[Filter], threads: usize) -> Vec<Option<FilterError>> {
         let position = &self.recording.position;
-        let count = (SAMPLES / (position.len() * position.channels())).clamp(RECORDS[0], RECORDS[1]);
-        let records: Vec<Recording> = (0..count).map(|seed| twin.record.record(seed as u64)).collect();
-        let noise = twin.record.torque_noise();
+        let count = (SAMPLES / (position.len() * position.channels())).clamp(RECORDINGS[0], RECORDINGS[1]);
+        let recordings: Vec<Recording> = (0..count).map(|seed| twin.recording.record(seed as u64)).collect();
+        let noise = twin.recording.torque_noise();
         let tried = |i: usize| {
             let filter = filters[i];
-            let errors = |record: &Recording| self.errors(record, &noise, filter, twin);
-            let errors = Errors::mean(&records.iter().map(errors).collect::<Vec<_>>())?.within(&twin.sizes);
+            let errors = |recording: &Recording| self.errors(recording, &noise, filter, twin);
+            let errors = Errors::mean(&recordings.iter().map(errors).collect::<Vec<_>>())?.within(&twin.sizes);
             Some(Tried { filter, estimates: self.estimates(filter, &twin.names)?, errors })
         };
         relative_errors(&pool::in_parallel(filters.len(), threads, tried), &twin.sizes, self.part)
     }
 
-    /// The estimates from the record itself.
+    /// The estimates from the recording itself.
     fn estimates(&self, filter: Filter, names: &ParameterChoice) -> Option<Vec<f64>> {
         let (problem, _) = self.problem(&self.settings_with(filter), &self.recording, names).ok()?;
         Some(idim_ls(&problem.regression, Divisor::default()).ok()?.theta)
     }
 
-    /// The errors of the estimates from a record of a twin whose parameters are known.
-    fn errors(&self, record: &Recording, noise: &Noise, filter: Filter, twin: &Twin) -> Option<Errors> {
+    /// The errors of the estimates from a noisy recording of a twin.
+    fn errors(&self, recording: &Recording, noise: &Noise, filter: Filter, twin: &Twin) -> Option<Errors> {
         let Twin { names, truth, .. } = twin;
         let settings = self.settings_with(filter);
-        let (problem, filtered) = self.problem(&settings, record, names).ok()?;
+        let (problem, filtered) = self.problem(&settings, recording, names).ok()?;
         let influence = Method::IDIM_LS.influence(&problem.regression, None).ok()?;
         let found = influence.transpose_times(&problem.regression.y);
         let bias: Vec<f64> = found.iter().zip(truth).map(|(found, truth)| found - truth).collect();
@@ -259,7 +264,7 @@ impl<'a> Study<'a> {
         Ok(Truth { estimated, standard, recorder, controller: propose_controller(&[&filtered]).description })
     }
 
-    /// X and y of a recording behind a filter.
+    /// X and y of a recording with a filter.
     fn problem(
         &self,
         settings: &Settings,
@@ -278,7 +283,7 @@ fn best(filters: &[Filter], errors: &[Option<FilterError>]) -> Option<Filter> {
     totals.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(filter, _)| filter)
 }
 
-/// The geometric means of the errors over each filter and its neighbours: the error of one filter on few records is partly chance.
+/// The geometric means of the errors over each filter and its neighbours: the error of one filter on few recordings is partly chance.
 fn smoothed(filters: &[Filter], errors: &[Option<FilterError>]) -> Vec<Option<FilterError>> {
     let around = |(filter, error): (&Filter, &Option<FilterError>)| {
         error.as_ref()?;

@@ -27,7 +27,7 @@ pub enum FilterChoiceError {
         source: EstimationError,
     },
     /// Torque terms take recorded channels, which twins do not have.
-    #[error("torque terms take recorded channels, which a twin does not have; choose the filter without these terms")]
+    #[error("torque terms use recorded channels, which a twin does not have; choose the filter without these terms")]
     Channels,
     /// There is no recording with torques.
     #[error("no recording has torques: a filter is chosen from what it does to the estimates")]

@@ -1,10 +1,10 @@
-//! Where signals end that were low-passed before they were recorded.
+//! The corner of a low-pass through which signals went before they were recorded.
 
 use crate::preparation::Recording;
 use thetahat_estimation::signal::Spectrum;
 use thetahat_ground::series::Series;
 
-/// Factor by which the density of a torque falls over an octave behind a low-pass; friction's steps fall by four.
+/// Factor by which the density of a torque falls over an octave above the corner of a low-pass; friction's steps fall by four.
 const FALLS: f64 = 10.0;
 /// Density over the least one up to which it is rounding.
 const ROUNDING: f64 = 10.0;
@@ -15,7 +15,7 @@ const HIGHEST: usize = 6;
 /// Bands over which a density must fall.
 const FALLING: usize = 3;
 
-/// The frequency, Hz, from which on the densities of all torques fall steeply; none where they do not.
+/// The frequency, Hz, above which the densities of all torques fall steeply; `None` if they do not.
 pub(super) fn low_pass_hz(torque: &Series, rate: f64) -> Option<f64> {
     let spectrum = Spectrum::of(torque, rate);
     let knees = (0..torque.channels()).map(|channel| knee_hz(&spectrum, channel, 0.5 * rate));
@@ -36,8 +36,8 @@ fn knee_hz(spectrum: &Spectrum, channel: usize, nyquist_hz: f64) -> Option<f64> 
     (falls >= FALLING).then(|| start((top + falls) as i32))
 }
 
-/// The rate, Hz, up to half of which a record's positions hold noise: that of the record, or twice the frequency from which on
-/// its torques were low-passed, where the positions were as well.
+/// Twice the frequency, Hz, up to which the positions of a recording contain noise: the sample rate, or twice the corner of the torques'
+/// low-pass if the positions were low-passed as well.
 pub(super) fn rate_of_noise(recording: &Recording) -> f64 {
     let Recording { position, torque, sample_rate_hz: rate, .. } = recording;
     let Some(knee) = torque.as_ref().and_then(|torque| low_pass_hz(torque, *rate)) else { return *rate };
@@ -63,19 +63,19 @@ mod tests {
     const RATE_HZ: f64 = 1000.0;
 
     /// Swings with steps of friction and noise: torques, and positions with noise.
-    fn record() -> [Series; 2] {
+    fn swings() -> [Series; 2] {
         let mut rng = ChaCha8Rng::seed_from_u64(5);
         let mut noise = || -> f64 { StandardNormal.sample(&mut rng) };
         let phase = |k: usize| 3.0 * k as f64 / RATE_HZ;
         let torque = |k: usize| 20.0 * phase(k).sin() + 5.0 * phase(k).cos().signum() + 0.1 * noise();
         let torque: Vec<f64> = (0..12_000).map(torque).collect();
         let position: Vec<f64> = (0..12_000).map(|k| -phase(k).sin() + 3e-5 * noise()).collect();
-        [torque, position].map(|values| Series::from_values(1, values))
+        [torque, position].map(|values| Series::shaped(1, values))
     }
 
     #[test]
-    fn a_low_passed_record_is_told_from_a_raw_one() {
-        let [torque, position] = record();
+    fn a_low_passed_recording_differs_from_a_raw_one() {
+        let [torque, position] = swings();
         let recorded = |position: &Series, torque: &Series| Recording::new(RATE_HZ, position.clone(), torque.clone());
         assert_eq!(low_pass_hz(&torque, RATE_HZ), None);
         assert_eq!(rate_of_noise(&recorded(&position, &torque)), RATE_HZ);

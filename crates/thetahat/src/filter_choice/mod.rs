@@ -1,10 +1,10 @@
 //! The position filter's cut-off and the decimation chosen from the data.
 //!
-//! A lower cut-off always fits better and says nothing of the parameters. What counts is how far the *estimates* are from the
-//! truth. So a twin is made of the record: its motion without noise, the torques of a preliminary estimate along it, and noise
-//! with the spectra of what is left of positions and torques. The estimates from several noisy copies of the twin, with every
+//! A lower cut-off always fits better, which gives no information about the parameters. What counts is the error of the *estimates*. So a
+//! twin is made of the recording: its motion without noise, the torques of a preliminary estimate along it, and noise with the spectra of
+//! the residuals of positions and torques. The estimates from several noisy copies of the twin, with every
 //! filter of a small grid, are compared with the parameters that made it: their spread is the width of the intervals, their
-//! mean deviation the bias that filter and noise bring. The filter with the least error of both together is taken.
+//! mean deviation the bias that filter and noise bring. The filter with the smallest total error is chosen.
 //!
 //! ```
 //! use thetahat::filter_choice::FilterGrid;
@@ -25,7 +25,11 @@ mod separated;
 mod static_friction;
 mod twin;
 
-pub use choose::{choose_filter, estimate_behind};
+pub use choose::choose_filter;
+#[doc(hidden)]
+pub use choose::estimate_behind;
 pub use error::FilterChoiceError;
+#[doc(hidden)]
 pub use grid::FilterGrid;
+#[doc(hidden)]
 pub use score::sizes;

@@ -1,4 +1,4 @@
-//! How the torques of a record were recorded, as far as an estimate tells: their noise, their lag, the low-pass they went through.
+//! How the torques of a recording were measured, judged by an estimate: their noise, lag and low-pass.
 
 use super::{error::FilterChoiceError, low_pass::low_pass_hz};
 use crate::preparation::{FilteredRecording, Problem};
@@ -9,16 +9,16 @@ use thetahat_estimation::{
 use thetahat_ground::{linear_algebra::dot, series::Series};
 use thetahat_model::dynamics::{DynamicParameters, Model, Sign, State, Workspace};
 
-/// Standard deviations of independent rows by which a lag must differ from zero.
+/// Significance threshold of a lag, in standard deviations of independent rows.
 const SURE: f64 = 8.0;
 /// Longest lag, samples.
 const LONGEST: f64 = 2.0;
-/// Order of the low-pass that is put in place of the recorder's.
+/// Order of the low-pass that imitates the recorder's.
 const ORDER: usize = 2;
 
 /// How torques were recorded.
 pub(super) struct Recorder {
-    /// What the estimate leaves of the samples that make rows, larger by what the others leave out.
+    /// The residual of the samples in rows, scaled to the power that it would have without the masked samples.
     pub(super) noise: Series,
     /// Samples by which the torques are late.
     lag: f64,
@@ -35,8 +35,8 @@ impl Recorder {
         theta: &[f64],
     ) -> Result<Self, FilterChoiceError> {
         let torque = filtered.centred_torque();
-        let left = left(&torque, &filtered.motion, &problem.model, theta);
-        let lag = lag(problem, columns, (&torque, &left))?;
+        let left = residual_of(&torque, &filtered.motion, &problem.model, theta);
+        let lag = lag(problem, columns, &torque, &left)?;
         let noise = match &problem.masks[0] {
             None => left,
             Some(mask) => as_if_unmasked(&mask.applied_to(&left), &mask.left_out()),
@@ -57,15 +57,15 @@ impl Recorder {
 fn as_if_unmasked(noise: &Series, left_out: &[f64]) -> Series {
     let scales: Vec<f64> = left_out.iter().map(|part| (1.0 - part).max(f64::MIN_POSITIVE).sqrt().recip()).collect();
     let scaled = noise.values().iter().enumerate().map(|(i, value)| value * scales[i % scales.len()]);
-    Series::from_values(noise.channels(), scaled.collect())
+    Series::shaped(noise.channels(), scaled.collect())
 }
 
-/// Samples by which torques are late, to first order; zero where it is not sure: `y(t) = y0(t - d)` leaves `-d dy0/dt`.
-fn lag(problem: &Problem, columns: &[usize], (torque, left): (&Series, &Series)) -> Result<f64, FilterChoiceError> {
+/// Samples by which torques are late, to first order; zero if it is not significant: `y(t) = y0(t - d)` leaves `-d dy0/dt`.
+fn lag(problem: &Problem, columns: &[usize], torque: &Series, left: &Series) -> Result<f64, FilterChoiceError> {
     let regression = problem.regression.with_columns(columns);
     let influence = Method::IDIM_LS.influence(&regression, None)?;
     let predicted = torque.values().iter().zip(left.values()).map(|(y, e)| y - e).collect();
-    let slope = central_difference(&Series::from_values(torque.channels(), predicted), 1.0);
+    let slope = central_difference(&Series::shaped(torque.channels(), predicted), 1.0);
     let rows_of = |series: &Series| -> Result<Vec<f64>, FilterChoiceError> {
         let rows = problem.assembly(0).measurement_vector(series)?;
         let explained = regression.x.times(&influence.transpose_times(&rows));
@@ -85,7 +85,7 @@ fn lag(problem: &Problem, columns: &[usize], (torque, left): (&Series, &Series))
 
 /// What a model leaves of torques.
 pub(super) fn left(torque: &Series, motion: &Motion, model: &Model, theta: &[f64]) -> Series {
-    let (parameters, mut workspace) = (DynamicParameters::new(model, theta), Workspace::new(model));
+    let (parameters, mut workspace) = (DynamicParameters::sorted(model, theta), Workspace::new(model));
     let mut left = torque.clone();
     let mut tau = vec![0.0; torque.channels()];
     for k in 0..torque.len() {
@@ -112,12 +112,12 @@ mod tests {
         let model = Model::new(&robot);
         let swing = |k: usize, j: usize| 0.6 * ((1.1 + 0.3 * j as f64) * k as f64 / RATE_HZ + j as f64).sin();
         let q = Matrix::from_fn(8000, 6, swing);
-        let q = Series::from_channels(&(0..6).map(|j| q.column(j).to_vec()).collect::<Vec<_>>());
+        let q = Series::side_by_side(&(0..6).map(|j| q.column(j).to_vec()).collect::<Vec<_>>());
         let dq = central_difference(&q, RATE_HZ);
         let motion = Motion { ddq: central_difference(&dq, RATE_HZ), dq, q };
         let theta = vec![0.3; model.parameter_table().len()];
         let minus = left(&Series::zeros(8000, 6), &motion, &model, &theta);
-        let torque = Series::from_values(6, minus.values().iter().map(|v| -v).collect());
+        let torque = Series::shaped(6, minus.values().iter().map(|v| -v).collect());
         let torque = delayed(&torque, &[samples; 6]);
         (robot, Recording::new(RATE_HZ, motion.q, torque))
     }
@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn noise_has_the_power_of_the_samples_that_are_left() {
-        let noise = as_if_unmasked(&Series::from_values(2, vec![0.0, 1.0, 3.0, 1.0]), &[0.75, 0.0]);
+        let noise = as_if_unmasked(&Series::shaped(2, vec![0.0, 1.0, 3.0, 1.0]), &[0.75, 0.0]);
         assert_eq!(noise.values(), [0.0, 1.0, 6.0, 1.0]);
     }
 }

@@ -5,26 +5,26 @@ use thetahat_report::results::{Filter, FilterError};
 
 /// Squared differences of estimates that the errors of the narrower filter explain, in multiples of those.
 const ALLOWED: f64 = 3.0;
-/// How many times larger mean squared errors of a narrower filter may be that tells of a wider one's bias.
+/// Largest ratio of mean squared errors at which the narrower filter still reveals bias.
 const COMPARABLE: f64 = 9.0;
 /// Part of the parameters that must differ by more than that: one that a narrow filter hardly shows differs by chance.
 const DIFFERENT: f64 = 0.3;
-/// How many times more of them than differ in any record of a twin.
+/// Factor by which more parameters must differ than in any recording of a twin.
 const NOT_BY_CHANCE: f64 = 3.0;
 
 /// Errors of the estimates with one filter: mean squares, one for each parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Errors {
-    /// What the filter and the noise of the positions bring.
+    /// Caused by the filter and the noise of the positions.
     pub(super) bias: Vec<f64>,
-    /// What the noise of the torques brings.
+    /// Caused by the noise of the torques.
     pub(super) variance: Vec<f64>,
-    /// Errors of single draws of both, the same draws behind every filter.
+    /// Errors of single draws of both, the same draws for every filter.
     pub(super) draws: Vec<Vec<f64>>,
 }
 
-/// The size of each base parameter: the largest value of those of its joint or link that have its unit. An error beyond it says
-/// that nothing is known of the parameter, however large it is.
+/// The size of each base parameter: the largest value among the parameters of its joint or link with the same unit. An error beyond it
+/// means that the parameter is unknown, however large the error is.
 #[must_use]
 pub fn sizes(model: &Model, base: &BaseParameters, values: &[f64]) -> Vec<f64> {
     let table = model.parameter_table();
@@ -47,7 +47,7 @@ impl Errors {
         self.bias.iter().zip(&self.variance).map(|(bias, variance)| bias + variance)
     }
 
-    /// The mean over several records; none where one has no estimate.
+    /// The mean over several recordings; `None` if one has no estimate.
     pub(super) fn mean(all: &[Option<Self>]) -> Option<Self> {
         let all: Vec<&Self> = all.iter().map(Option::as_ref).collect::<Option<_>>()?;
         let mean = |of: &dyn Fn(&Self) -> &Vec<f64>| {
@@ -59,21 +59,21 @@ impl Errors {
     }
 }
 
-/// What a filter gives.
+/// The estimates with a filter, and their errors.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tried {
     pub(super) filter: Filter,
-    /// The estimates from the record itself.
+    /// The estimates from the recording itself.
     pub(super) estimates: Vec<f64>,
     /// The errors of the estimates from twins of it.
     pub(super) errors: Errors,
 }
 
-/// The relative errors of filters; none where a filter gives no estimate.
+/// The relative errors of filters; `None` for a filter that gives no estimate.
 ///
-/// What the twins do not know of, such as friction that changes smoothly, shows in the record's own estimates: those of a wide filter
-/// differ from those of a narrower one by more than the narrower one's errors, and more often than in records of the twin. The part
-/// beyond is bias of the wide one (A. Goldenshluger, O. Lepski, "Bandwidth selection in kernel density estimation: oracle inequalities
+/// Effects that the twins do not have, such as friction that changes smoothly, show in the recording's own estimates: those of a wide
+/// filter differ from those of a narrower one by more than the narrower one's errors, and more often than in recordings of the twin. The
+/// excess is bias of the wide one (A. Goldenshluger, O. Lepski, "Bandwidth selection in kernel density estimation: oracle inequalities
 /// and adaptive minimax optimality", Annals of Statistics 39 (2011), section 3). `part` of all samples are in the twins.
 pub(super) fn relative_errors(all: &[Option<Tried>], sizes: &[f64], part: f64) -> Vec<Option<FilterError>> {
     let parameters = all.iter().flatten().map(|t| t.estimates.len()).next().unwrap_or(0);

@@ -14,13 +14,13 @@ pub(super) struct StaticFriction {
 }
 
 impl StaticFriction {
-    /// That of joints with so much Coulomb friction along velocities, where the simulated one is smooth over a velocity scale.
+    /// The static friction of joints with this Coulomb friction along velocities, for a simulated sign that is smooth over a velocity scale.
     pub(super) fn new(coulomb: &[f64], dq: &Series, sign_velocity_scale: f64) -> Self {
         let joints = coulomb.len();
         let missing = |(i, dq): (usize, &f64)| coulomb[i % joints] * (1.0 - (dq / sign_velocity_scale).tanh().abs());
         let missing = dq.values().iter().enumerate().map(missing).collect();
         let rests = dq.values().iter().map(|dq| dq.abs() < sign_velocity_scale).collect();
-        Self { missing: Series::from_values(joints, missing), rests }
+        Self { missing: Series::shaped(joints, missing), rests }
     }
 
     /// Some part of what is missing, another one at each rest.
@@ -34,7 +34,7 @@ impl StaticFriction {
             }
             level[i % joints] * missing
         });
-        Series::from_values(joints, drawn.collect())
+        Series::shaped(joints, drawn.collect())
     }
 }
 
@@ -47,7 +47,7 @@ mod tests {
     #[test]
     fn a_joint_at_rest_has_one_level_and_a_moving_one_none() {
         // The first joint rests twice, the second moves.
-        let dq = Series::from_channels(&[vec![0.0, 0.0, 1.0, 0.0], vec![1.0, -1.0, 1.0, 1.0]]);
+        let dq = Series::side_by_side(&[vec![0.0, 0.0, 1.0, 0.0], vec![1.0, -1.0, 1.0, 1.0]]);
         let drawn = StaticFriction::new(&[2.0, 3.0], &dq, 1e-3).draw(&mut ChaCha8Rng::seed_from_u64(1));
         let [first, second] = [drawn.channel(0), drawn.channel(1)];
         assert!(first[0] == first[1] && first[0] != first[3] && first[2].abs() < 1e-12 && first[0].abs() <= 2.0);

@@ -1,19 +1,18 @@
-//! A twin of a record: its motion without noise, the torques of a model along it, and noise like the record's.
-
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+//! A twin of a recording: its motion without noise, the torques of a model along it, and noise like the recording's.
 
 use super::{
     bands,
     low_pass::rate_of_noise,
-    recorder::{Recorder, left},
+    recorder::{Recorder, residual_of},
     static_friction::StaticFriction,
 };
 use crate::preparation::{Recording, STILL, SimulationOptions};
 use thetahat_estimation::{
     control::ControllerDescription,
     signal::{Motion, Padding, SecondOrderSections, SignalError, Spectrum, zero_phase},
-    simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatorBias, Solver},
+    simulation::{
+        ClosedLoop, OutputGrid, Reference, SampledReference, SignalNoise, SimulatorBias, Solver, random_numbers,
+    },
 };
 use thetahat_ground::series::Series;
 use thetahat_model::{
@@ -24,7 +23,7 @@ use thetahat_model::{
 /// Order of the low-pass that separates motion from noise.
 const ORDER: usize = 4;
 /// Noise below the band's end is as dense as between the end and this multiple of it.
-const BESIDE: f64 = 2.0;
+const LEVEL_BAND: f64 = 2.0;
 /// Central differences of eighth order, `f' ~ sum_i a_i (f_i - f_-i) / h` and `f'' ~ (b_0 f + sum_i b_i (f_i + f_-i)) / h^2`.
 const FIRST: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
 const SECOND: [f64; 5] = [-205.0 / 72.0, 8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0];
@@ -39,8 +38,8 @@ const OF_VELOCITY: f64 = 0.02;
 /// Torques that are noise, drawn several times.
 pub(super) type Noise = Vec<Series>;
 
-/// A record whose true parameters are known.
-pub(super) struct RecordTwin {
+/// A simulated recording, whose true parameters are known.
+pub(super) struct RecordingTwin {
     sample_rate_hz: f64,
     position: Series,
     torque: Series,
@@ -49,7 +48,7 @@ pub(super) struct RecordTwin {
     torque_noise: Spectrum,
 }
 
-/// What moves in a twin.
+/// The simulated robot of a twin.
 pub(super) struct Mover<'a> {
     pub(super) robot: &'a Robot,
     pub(super) model: &'a Model,
@@ -58,10 +57,10 @@ pub(super) struct Mover<'a> {
     pub(super) controller: &'a ControllerDescription,
 }
 
-impl RecordTwin {
-    /// The twin of a recording: a controlled robot follows its motion below `motion_hz`. Friction and loop leave in motion and
-    /// torques what that band does not hold. Its torques are recorded as those of the record were.
-    pub(super) fn of(
+impl RecordingTwin {
+    /// The twin of a recording: a controlled robot follows its motion below `motion_hz`. Friction and loop add to motion and
+    /// torques what that band does not contain. Its torques are recorded as those of the recording were.
+    pub(super) fn new(
         recording: &Recording,
         motion_hz: f64,
         recorder: &Recorder,
@@ -87,17 +86,22 @@ impl RecordTwin {
 
     /// The torques of the twin along its motion, whose positions are recorded with noise; another one for each seed.
     pub(super) fn record(&self, seed: u64) -> Recording {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let noise = self.position_noise.draw(self.position.len(), self.sample_rate_hz, &mut rng);
-        let torque = plus(&self.torque, &self.static_friction.draw(&mut rng));
-        Recording::new(self.sample_rate_hz, plus(&self.position, &noise), torque)
+        let mut rng = random_numbers(seed, 0);
+        let position = self.coloured(&self.position_noise).added_to(self.position.clone(), &mut rng);
+        let mut torque = self.torque.clone();
+        torque.add(&self.static_friction.draw(&mut rng));
+        Recording::new(self.sample_rate_hz, position, torque)
     }
 
     /// Several draws of the noise of the torques.
     pub(super) fn torque_noise(&self) -> Noise {
-        let mut rng = ChaCha8Rng::seed_from_u64(TORQUE_SEED);
-        let mut draw = |_| self.torque_noise.draw(self.position.len(), self.sample_rate_hz, &mut rng);
-        (0..TORQUE_DRAWS).map(&mut draw).collect()
+        let mut rng = random_numbers(TORQUE_SEED, 0);
+        let noise = self.coloured(&self.torque_noise);
+        (0..TORQUE_DRAWS).map(|_| noise.draw(self.position.len(), &mut rng)).collect()
+    }
+
+    fn coloured<'s>(&self, spectrum: &'s Spectrum) -> SignalNoise<'s> {
+        SignalNoise::Coloured { spectrum, sample_rate_hz: self.sample_rate_hz }
     }
 }
 
@@ -128,13 +132,13 @@ impl Mover<'_> {
             Err(_) => {
                 let motion = differentiated(reference, rate);
                 let none = left(&Series::zeros(samples, motion.q.channels()), &motion, self.model, self.theta);
-                let torque = Series::from_values(none.channels(), none.values().iter().map(|v| -v).collect());
+                let torque = Series::shaped(none.channels(), none.values().iter().map(|v| -v).collect());
                 (motion.q, torque, self.static_friction(&motion.dq, sign_velocity_scale))
             }
         }
     }
 
-    /// What static friction may add to the smooth one of a motion.
+    /// What static friction may add to the smooth friction of a motion.
     fn static_friction(&self, dq: &Series, sign_velocity_scale: f64) -> StaticFriction {
         let index = |joint| self.model.parameter_table().index(Quantity::Joint(JointQuantity::Fc), joint);
         let coulomb = |joint| index(joint).map_or(0.0, |i| self.theta[i].abs());
@@ -147,10 +151,10 @@ impl Mover<'_> {
 fn low_passed(series: &Series, cutoffs_hz: &[f64], rate: f64) -> Result<Series, SignalError> {
     let channel = |(j, cutoff): (usize, &f64)| {
         let filter = SecondOrderSections::butterworth_lowpass(ORDER, *cutoff, rate)?;
-        Ok(zero_phase(&filter, &Series::from_values(1, series.channel(j)), Padding::Matlab)?.channel(0))
+        Ok(zero_phase(&filter, &Series::shaped(1, series.channel(j)), Padding::Matlab)?.channel(0))
     };
     let channels = cutoffs_hz.iter().enumerate().map(channel).collect::<Result<Vec<_>, SignalError>>()?;
-    Ok(Series::from_channels(&channels))
+    Ok(Series::side_by_side(&channels))
 }
 
 /// The velocity scale of friction, rad/s or m/s: the usual one, or a part of the slowest joint's velocity, where that is less.
@@ -186,11 +190,11 @@ fn differentiate(q: &Series, k: usize, rate: f64, dq: &mut [f64], ddq: &mut [f64
     }
 }
 
-/// Noise that goes on below each channel's band as it is beside it.
+/// Noise whose density below the end of each channel's band is its level just above it.
 fn flat_below(noise: Spectrum, bands_hz: &[f64]) -> Spectrum {
     let step_hz = noise.step_hz;
     let flat = |(c, band): (usize, &f64)| {
-        let level = noise.median(c, *band..(BESIDE * band).max(band + 3.5 * step_hz)).unwrap_or(0.0);
+        let level = noise.median(c, *band..(LEVEL_BAND * band).max(band + 3.5 * step_hz)).unwrap_or(0.0);
         let inside = |(i, density): (usize, &f64)| if i as f64 * step_hz < *band { level } else { *density };
         noise.density[c].iter().enumerate().map(inside).collect()
     };
@@ -198,9 +202,9 @@ fn flat_below(noise: Spectrum, bands_hz: &[f64]) -> Spectrum {
 }
 
 fn less(a: &Series, b: &Series) -> Series {
-    Series::from_values(a.channels(), a.values().iter().zip(b.values()).map(|(a, b)| a - b).collect())
+    Series::shaped(a.channels(), a.values().iter().zip(b.values()).map(|(a, b)| a - b).collect())
 }
 
 fn plus(a: &Series, b: &Series) -> Series {
-    Series::from_values(a.channels(), a.values().iter().zip(b.values()).map(|(a, b)| a + b).collect())
+    Series::shaped(a.channels(), a.values().iter().zip(b.values()).map(|(a, b)| a + b).collect())
 }

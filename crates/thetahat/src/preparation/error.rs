@@ -17,6 +17,69 @@ pub enum PreparationError {
         /// What was found.
         found: String,
     },
+    /// A value is not a finite number above zero.
+    #[error("{key} is {found}, expected a finite number above zero")]
+    NotPositive {
+        /// The key.
+        key: String,
+        /// The value.
+        found: f64,
+    },
+    /// A signal has not one channel for each coordinate of the robot.
+    #[error("{place}: number of channels is {found}, expected {expected}, one for each coordinate of the robot")]
+    JointCount {
+        /// The signal of a recording, as `recording a, position`, or the file that holds it.
+        place: String,
+        /// Number of coordinates of the robot.
+        expected: usize,
+        /// Channels of the signal.
+        found: usize,
+    },
+    /// A channel that torque terms take has neither one column nor one for each coordinate of the robot.
+    #[error(
+        "recording {recording}: the number of columns of channel {channel} is {found}, expected 1, or {expected}, one for each \
+         coordinate of the robot"
+    )]
+    ColumnCount {
+        /// The recording.
+        recording: String,
+        /// Name of the channel.
+        channel: String,
+        /// Number of coordinates of the robot.
+        expected: usize,
+        /// Columns of the channel.
+        found: usize,
+    },
+    /// A signal has not as many samples as the positions.
+    #[error(
+        "recording {recording}: the number of samples of {signal} is {found}, expected {expected}, that of position"
+    )]
+    SampleCount {
+        /// The recording.
+        recording: String,
+        /// The signal, such as `torque`.
+        signal: String,
+        /// Samples of the positions.
+        expected: usize,
+        /// Samples of the signal.
+        found: usize,
+    },
+    /// A sample is NaN or infinite.
+    #[error(
+        "recording {recording}: {signal}, column {column} at sample {sample} (counted from 0) is {found}, expected a finite number"
+    )]
+    NotFinite {
+        /// The recording.
+        recording: String,
+        /// The signal, such as `torque`.
+        signal: String,
+        /// The column, counted from 1, as joints are.
+        column: usize,
+        /// The sample, counted from 0.
+        sample: usize,
+        /// The value: NaN or an infinity.
+        found: f64,
+    },
     /// The robot cannot be computed with.
     #[error("{source}")]
     Robot {
@@ -97,8 +160,9 @@ impl PreparationError {
     /// Refuses what is not a finite number above zero.
     ///
     /// # Errors
-    /// [`PreparationError::Value`].
+    /// [`PreparationError::NotPositive`].
     pub(crate) fn require_positive(key: &str, value: f64) -> Result<(), Self> {
-        Self::require(value > 0.0 && value.is_finite(), key, "a finite number above zero", value)
+        let is_positive = value > 0.0 && value.is_finite();
+        if is_positive { Ok(()) } else { Err(Self::NotPositive { key: key.to_owned(), found: value }) }
     }
 }

@@ -33,6 +33,14 @@ pub enum LoopParameter {
 }
 
 impl LoopParameter {
+    /// Whether it is a gain of the controller.
+    pub(super) fn is_gain(self) -> bool {
+        match self {
+            Self::PositionGain | Self::PositionGains | Self::VelocityGain | Self::VelocityGains => true,
+            Self::GearRatio | Self::DriveGain | Self::DriveGains | Self::Delay => false,
+        }
+    }
+
     fn sensitive_to(self, motors: usize) -> Vec<SensitiveTo> {
         let each = |gain: fn(Motors) -> SensitiveTo| (0..motors).map(|i| gain(Motors::One(i))).collect();
         match self {

@@ -34,22 +34,29 @@ mod validation;
 pub(crate) use consistent_set::consistent_set_of;
 pub use error::PreparationError;
 pub(crate) use filtered::{FilteredRecording, MOVING, STILL, torques, window_of};
+#[doc(hidden)]
 pub use loop_parameters::LoopParameter;
 pub(crate) use loop_parameters::{LoopParameters, LoopParts};
+#[doc(hidden)]
 pub use near_rest::near_rest;
 pub(crate) use near_rest::near_rest_of_noise;
 pub use payload::{Payload, PayloadFrame};
+pub use physical::PriorOptions;
 pub(crate) use physical::known_in_words;
-pub use physical::{Axis, KnownQuantity, PriorKind, PriorOptions, PriorWeight, ValueOrRange, WeightRule};
+#[doc(hidden)]
+pub use physical::{Axis, KnownQuantity, PriorKind, PriorWeight, ValueOrRange, WeightRule};
 pub(crate) use problem::Problem;
 pub(crate) use proposed_controller::{ProposedController, is_iv, propose_controller};
+#[doc(hidden)]
 pub use recording::Recording;
 pub(crate) use reference::{FoundPeriod, RecordedReference};
+#[doc(hidden)]
 pub use reference_correction::ReferenceCorrection;
 pub use settings::{
-    Case, EstimationOptions, Gains, Mask, NamedChoice, NamedMask, ParameterChoice, ParameterSelection, Settings,
-    SignalOptions, SimulationOptions, Start, StatedMask,
+    Case, EstimationOptions, Mask, ParameterChoice, ParameterSelection, SignalOptions, SimulationOptions,
 };
+#[doc(hidden)]
+pub use settings::{Gains, NamedChoice, NamedMask, Settings, Start, StatedMask};
 pub(crate) use setup::{Basis, Setup};
 pub(crate) use simulable::Simulable;
 pub(crate) use validation::validate_window;

@@ -110,8 +110,7 @@ mod tests {
     fn lagging(hz: f64) -> FilteredRecording {
         let (omega, w, rate) = (3.0_f64, std::f64::consts::TAU * hz, 200.0);
         let (size, late) = (w * w / (w * w + omega * omega), 2.0 * (omega / w).atan());
-        let series =
-            |f: &dyn Fn(f64) -> f64| Series::from_values(1, (0..1000).map(|k| f(f64::from(k) / rate)).collect());
+        let series = |f: &dyn Fn(f64) -> f64| Series::shaped(1, (0..1000).map(|k| f(f64::from(k) / rate)).collect());
         let q = series(&|t| size * (omega * t - late).sin());
         let dq = series(&|t| size * omega * (omega * t - late).cos());
         let ddq = series(&|t| -size * omega * omega * (omega * t - late).sin());

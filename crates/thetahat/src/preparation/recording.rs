@@ -101,7 +101,7 @@ impl Recording {
     /// # Errors
     /// As [`Recording::at_times`].
     pub fn with_time_stamps(self, time_s: Vec<f64>) -> Result<Self, RecordingError> {
-        let (source, times) = (Path::new("arrays"), Series::from_values(1, time_s));
+        let (source, times) = (Path::new("arrays"), Series::shaped(1, time_s));
         let optional = [("torque", &self.torque), ("velocity", &self.velocity), ("reference", &self.reference)];
         let named = optional.into_iter().chain([("added signal", &self.added_signal)]);
         let channels = self.channels.iter().map(|(name, series)| (name.as_str(), series));
@@ -182,51 +182,68 @@ impl Recording {
     /// Refuses series that do not fit the robot or one another, and values that are no numbers.
     ///
     /// # Errors
-    /// [`PreparationError::Value`], which names the series.
+    /// [`PreparationError`], which names the recording, the signal, what was expected and what was found.
     pub(crate) fn validate(&self, coordinates: usize) -> Result<(), PreparationError> {
         PreparationError::require_positive("sample_rate_hz", self.sample_rate_hz)?;
         PreparationError::require_positive("weight", self.weight)?;
         let (hold, expected) = (self.torque_hold_s, "zero or a finite number above it");
         PreparationError::require(hold >= 0.0 && hold.is_finite(), "torque_hold_s", expected, hold)?;
-        let named = |what: &str| format!("recording {}: {what}", self.name);
-        let samples = self.position.len();
-        for (what, series) in [
-            ("position", Some(&self.position)),
-            ("torque", self.torque.as_ref()),
-            ("velocity", self.velocity.as_ref()),
-            ("reference", self.reference.as_ref()),
-            ("added_signal", self.added_signal.as_ref()),
-        ] {
-            let Some(series) = series else { continue };
-            let (channels, length) = (series.channels(), series.len());
-            let expected = format!("{coordinates}, one for each coordinate of the robot");
-            PreparationError::require(
-                channels == coordinates,
-                &named(&format!("channels of {what}")),
-                &expected,
-                channels,
-            )?;
-            let expected = format!("{samples}, as of position");
-            PreparationError::require(length == samples, &named(&format!("samples of {what}")), &expected, length)?;
-            if let Some(k) = series.values().iter().position(|v| !v.is_finite()) {
-                let (sample, channel) = (k / channels, k % channels + 1);
-                let place = named(&format!("{what} of coordinate {channel} at sample {sample}"));
-                return Err(PreparationError::value(&place, "a finite number", series.values()[k]));
+        for (signal, series) in self.signals() {
+            if series.channels() != coordinates {
+                return Err(self.joint_count(signal, coordinates, series));
             }
+            self.validate_samples(signal, series)?;
         }
-        self.channels.iter().try_for_each(|(name, series)| self.validate_channel(name, series, coordinates))
+        for (name, series) in &self.channels {
+            if series.channels() != 1 && series.channels() != coordinates {
+                return Err(self.column_count(name, coordinates, series));
+            }
+            self.validate_samples(&format!("channel {name}"), series)?;
+        }
+        Ok(())
     }
 
-    fn validate_channel(&self, name: &str, series: &Series, coordinates: usize) -> Result<(), PreparationError> {
-        let place = |what: &str| format!("recording {}: {what} of channel {name}", self.name);
-        let (channels, length, samples) = (series.channels(), series.len(), self.position.len());
-        let expected = format!("1, or {coordinates}, one for each coordinate of the robot");
-        let fits = channels == 1 || channels == coordinates;
-        PreparationError::require(fits, &place("columns"), &expected, channels)?;
-        PreparationError::require(length == samples, &place("samples"), &format!("{samples}, as of position"), length)?;
-        match series.values().iter().find(|v| !v.is_finite()) {
-            Some(value) => Err(PreparationError::value(&place("a value"), "a finite number", value)),
+    /// Its series by name, those alone that have one channel for each coordinate.
+    fn signals(&self) -> impl Iterator<Item = (&'static str, &Series)> {
+        let optional = [
+            ("torque", &self.torque),
+            ("velocity", &self.velocity),
+            ("reference", &self.reference),
+            ("added_signal", &self.added_signal),
+        ];
+        let present = optional.into_iter().filter_map(|(signal, series)| Some((signal, series.as_ref()?)));
+        [("position", &self.position)].into_iter().chain(present)
+    }
+
+    fn validate_samples(&self, signal: &str, series: &Series) -> Result<(), PreparationError> {
+        let (expected, found) = (self.position.len(), series.len());
+        if found != expected {
+            let (recording, signal) = (self.name.clone(), signal.to_owned());
+            return Err(PreparationError::SampleCount { recording, signal, expected, found });
+        }
+        match series.values().iter().position(|v| !v.is_finite()) {
+            Some(place) => Err(self.not_finite(signal, place, series)),
             None => Ok(()),
+        }
+    }
+
+    fn joint_count(&self, signal: &str, expected: usize, series: &Series) -> PreparationError {
+        let place = format!("recording {}, {signal}", self.name);
+        PreparationError::JointCount { place, expected, found: series.channels() }
+    }
+
+    fn column_count(&self, channel: &str, expected: usize, series: &Series) -> PreparationError {
+        let (recording, channel, found) = (self.name.clone(), channel.to_owned(), series.channels());
+        PreparationError::ColumnCount { recording, channel, expected, found }
+    }
+
+    fn not_finite(&self, signal: &str, place: usize, series: &Series) -> PreparationError {
+        PreparationError::NotFinite {
+            recording: self.name.clone(),
+            signal: signal.to_owned(),
+            column: place % series.channels() + 1,
+            sample: place / series.channels(),
+            found: series.values()[place],
         }
     }
 
@@ -245,7 +262,7 @@ impl Recording {
             };
             columns.extend((0..coordinates).map(|c| series.channel(if series.channels() == 1 { 0 } else { c })));
         }
-        Ok((!columns.is_empty()).then(|| Series::from_channels(&columns)))
+        Ok((!columns.is_empty()).then(|| Series::side_by_side(&columns)))
     }
 }
 
@@ -257,24 +274,54 @@ mod tests {
     use super::*;
 
     fn series(values: &[f64]) -> Series {
-        Series::from_values(1, values.to_vec())
+        Series::shaped(1, values.to_vec())
+    }
+
+    fn good() -> Recording {
+        Recording::new(100.0, series(&[0.0, 1.0]), series(&[0.0, 1.0])).named("a")
     }
 
     #[test]
-    fn what_does_not_fit_is_named() {
-        let good = Recording::new(100.0, series(&[0.0, 1.0]), series(&[0.0, 1.0])).named("a");
-        assert!(good.validate(1).is_ok());
-        let message = |r: Recording, n: usize| r.validate(n).unwrap_err().to_string();
-        assert_eq!(
-            message(good.clone(), 2),
-            "recording a: channels of position is 1, expected 2, one for each coordinate of the robot"
+    fn series_that_fit_are_taken() {
+        assert!(good().validate(1).is_ok());
+    }
+
+    #[test]
+    fn a_wrong_number_of_joints_is_a_joint_count() {
+        let error = good().validate(2).unwrap_err();
+        let PreparationError::JointCount { place, expected, found } = &error else { panic!("{error}") };
+        assert_eq!((place.as_str(), *expected, *found), ("recording a, position", 2, 1));
+    }
+
+    #[test]
+    fn a_channel_of_other_columns_is_a_column_count() {
+        let two = Recording { position: Series::zeros(2, 3), torque: None, ..good() };
+        let error = two.with_channel("oil", Series::zeros(2, 2)).validate(3).unwrap_err();
+        assert!(matches!(error, PreparationError::ColumnCount { expected: 3, found: 2, .. }), "{error}");
+    }
+
+    #[test]
+    fn a_wrong_length_is_a_sample_count() {
+        let error = Recording { torque: Some(series(&[0.0])), ..good() }.validate(1).unwrap_err();
+        let PreparationError::SampleCount { signal, expected, found, .. } = &error else { panic!("{error}") };
+        assert_eq!((signal.as_str(), *expected, *found), ("torque", 2, 1));
+    }
+
+    #[test]
+    fn a_value_that_is_not_finite_has_its_place() {
+        let error = Recording { torque: Some(series(&[0.0, f64::NAN])), ..good() }.validate(1).unwrap_err();
+        let PreparationError::NotFinite { signal, column, sample, found, .. } = &error else { panic!("{error}") };
+        assert_eq!((signal.as_str(), *column, *sample), ("torque", 1, 1));
+        assert!(found.is_nan());
+    }
+
+    #[test]
+    fn a_rate_of_zero_is_not_positive() {
+        let error = Recording { sample_rate_hz: 0.0, ..good() }.validate(1).unwrap_err();
+        assert!(
+            matches!(&error, PreparationError::NotPositive { key, found: 0.0 } if key == "sample_rate_hz"),
+            "{error}"
         );
-        let short = Recording { torque: Some(series(&[0.0])), ..good.clone() };
-        assert_eq!(message(short, 1), "recording a: samples of torque is 1, expected 2, as of position");
-        let gap = Recording { torque: Some(series(&[0.0, f64::NAN])), ..good.clone() };
-        assert_eq!(message(gap, 1), "recording a: torque of coordinate 1 at sample 1 is NaN, expected a finite number");
-        let still = Recording { sample_rate_hz: 0.0, ..good };
-        assert_eq!(message(still, 1), "sample_rate_hz is 0, expected a finite number above zero");
     }
 
     #[test]

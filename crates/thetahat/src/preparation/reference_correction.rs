@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn scale_offset_and_delay_are_per_joint_or_common() {
         let found = correction("delay_s = -0.01\nscale = [1, 2.0]\noffset = [0.5, 0.0]")
-            .apply(&Series::from_values(2, (0..20).flat_map(|k| [f64::from(k), 10.0 * f64::from(k)]).collect()), 100.0);
+            .apply(&Series::shaped(2, (0..20).flat_map(|k| [f64::from(k), 10.0 * f64::from(k)]).collect()), 100.0);
         assert!((found.sample(4)[0] - 5.5).abs() < 1e-12 && (found.sample(4)[1] - 100.0).abs() < 1e-12);
     }
 

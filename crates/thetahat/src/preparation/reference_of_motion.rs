@@ -44,7 +44,7 @@ impl Setup<'_> {
         if let Some(acceptable) = fits(BAD_FIT).filter(|_| periodic.is_none()) {
             return Ok(acceptable);
         }
-        let smoothed = signal::smooth(&recording.position, &motion.q, &window, rate, (order, cutoff_hz))?;
+        let smoothed = signal::smooth(&recording.position, &motion.q, &window, rate, order, cutoff_hz)?;
         Ok(match periodic {
             Some(periodic) => of_periodic(periodic, smoothed, rate),
             None => RecordedReference {

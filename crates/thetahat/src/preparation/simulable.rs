@@ -58,7 +58,7 @@ impl<'a> Simulable<'a> {
     fn is_definite(&self, kept: &[usize], theta: &[f64]) -> bool {
         let mut of_base = vec![0.0; self.base.len()];
         kept.iter().zip(theta).for_each(|(&c, t)| of_base[c] = *t);
-        let parameters = DynamicParameters::new(self.model, &self.base.to_standard(&of_base));
+        let parameters = DynamicParameters::sorted(self.model, &self.base.to_standard(&of_base));
         let mut workspace = Workspace::new(self.model);
         let n = self.model.coordinate_count();
         let mut mass = vec![0.0; n * n];

@@ -8,10 +8,11 @@ use super::{
     settings::{Case, Mask, ParameterChoice, ParameterSelection, Settings, StatedMask},
 };
 use thetahat_estimation::{
+    control::ControllerDescription,
     identification::{Design, Method, Needs, Response, Weighting},
     simulation::Solver,
 };
-use thetahat_model::robot::Robot;
+use thetahat_model::{base_parameters::BaseParametersError, robot::Robot};
 
 /// Highest order of the position filter: beyond it, its transients are longer than what it is to keep.
 const HIGHEST_ORDER: usize = 20;
@@ -29,6 +30,7 @@ impl Settings {
         robot.check_sound()?;
         self.validate_signal()?;
         self.validate_parameters()?;
+        self.validate_excluded(robot)?;
         self.validate_physical(robot)?;
         self.validate_fixed(robot)?;
         self.validate_methods()?;
@@ -37,9 +39,27 @@ impl Settings {
         self.validate_convergence()?;
         if let Some(controller) = &self.controller {
             controller.validate(robot.coordinate_count())?;
+            self.validate_own_law(controller)?;
         }
         self.validate_payloads(robot)?;
         self.validate_simulation()
+    }
+
+    /// Of a user's own law there are neither gains to estimate nor derivatives of a memory.
+    fn validate_own_law(&self, controller: &ControllerDescription) -> Checked {
+        let Some(law) = controller.own_law() else { return Ok(()) };
+        if let Some(gain) = self.estimation.loop_parameters.iter().find(|p| p.is_gain()) {
+            let expected = "no position or velocity gain with a control law of your own";
+            return Err(PreparationError::value("[estimation] loop_parameters", expected, format!("{gain:?}")));
+        }
+        let with_sensitivities = |m: &Method| m.needs() == Needs::Sensitivities && law.memory() > 0;
+        match self.all_methods().into_iter().find(with_sensitivities) {
+            Some(method) => {
+                let expected = "no method that needs sensitivities, which a control law with a memory does not have";
+                Err(PreparationError::value("[estimation] methods", expected, method))
+            }
+            None => Ok(()),
+        }
     }
 
     fn validate_payloads(&self, robot: &Robot) -> Checked {
@@ -109,6 +129,15 @@ impl Settings {
         let level = rule.significance;
         let key = "[parameters] elimination.significance";
         PreparationError::require((0.0..1.0).contains(&level) && level > 0.0, key, "between 0 and 1", level)
+    }
+
+    /// The names of excluded parameters are those of the robot's table.
+    fn validate_excluded(&self, robot: &Robot) -> Checked {
+        let table = robot.parameter_table();
+        match self.parameters.exclude.iter().find(|name| table.index_of(name).is_none()) {
+            None => Ok(()),
+            Some(name) => Err(BaseParametersError::UnknownStandardParameter { name: name.clone() }.into()),
+        }
     }
 
     fn validate_methods(&self) -> Checked {
@@ -223,4 +252,34 @@ pub(crate) fn validate_window(table: &str, [start, end]: [Option<f64>; 2]) -> Ch
     let end = end.unwrap_or(f64::MAX);
     let key = format!("{table} window_end_s");
     PreparationError::require(end > start && end.is_finite(), &key, "later than window_start_s", end)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    const ARM: &str = "name = 'arm'\n[[joint]]\nname = 'a'\nkind = 'revolute'";
+
+    fn validated(name: &str) -> Checked {
+        let mut settings = Settings::new(20.0, 10);
+        settings.parameters.exclude = vec![name.to_owned()];
+        settings.validate(&Robot::parse(ARM, Path::new("arm.toml")).unwrap())
+    }
+
+    #[test]
+    fn a_parameter_of_the_robot_is_excluded() {
+        assert!(validated("ia1").is_ok());
+    }
+
+    #[test]
+    fn an_unknown_name_in_exclude_is_refused_before_anything_is_read() {
+        let error = validated("ia9").unwrap_err();
+        let PreparationError::Parameters { source: BaseParametersError::UnknownStandardParameter { name } } = &error
+        else {
+            panic!("{error}")
+        };
+        assert_eq!(name, "ia9");
+    }
 }

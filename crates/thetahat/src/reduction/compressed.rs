@@ -3,7 +3,7 @@ use super::{
     identity::Identity,
     value::{Reduction, most_segments},
 };
-use thetahat_estimation::regression::{Regression, RowLayout};
+use thetahat_estimation::regression::{BlockKey, Regression, RowLayout};
 use thetahat_ground::linear_algebra::Matrix;
 
 /// The regression of a reduction. Where its rows are triangular factors, X, Z and y were projected on the same orthonormal
@@ -74,7 +74,7 @@ impl Compressed {
                     instruments.extend(factor.z(identity.parameters.len()));
                     measured.push(factor.x(identity.parameters.len()));
                     y.extend_from_slice(factor.y());
-                    layout.push(joint, (recording, stretch), factor.matrix.rows());
+                    layout.push(BlockKey { joint, recording, stretch }, factor.matrix.rows());
                 }
                 represented.iter_mut().zip(&segment.counted).for_each(|(sum, counted)| *sum += counted);
                 stretch += 1;

@@ -39,7 +39,7 @@ pub enum ReductionError {
     /// A recording has time steps that are not equal.
     #[error(
         "recording {recording}: the step to sample {sample} is {found:e} s, expected {expected:e} s within a thousandth; \
-         a long recording is not brought to equal steps: export it at equal steps, or use `thetahat identify`"
+         a long recording is not brought to equal steps: export it at equal steps, or identify from the whole recording"
     )]
     UnequalSteps {
         /// The recording.
@@ -54,7 +54,7 @@ pub enum ReductionError {
     /// A recording has gaps.
     #[error(
         "recording {recording}: {gaps} gaps, the first at sample {sample}; a reduction takes recordings without gaps: cut the recording \
-         there, or use `thetahat identify`"
+         there, or identify from the whole recording"
     )]
     Gaps {
         /// The recording.
@@ -119,7 +119,7 @@ pub enum ReductionError {
     /// A long recording has no reference that can be read in pieces.
     #[error(
         "recording {recording}: instruments for a long recording follow its recorded reference: name it as `reference`, or \
-         use `thetahat identify`"
+         identify from the whole recording"
     )]
     NoReference {
         /// The recording.
@@ -152,8 +152,8 @@ pub enum ReductionError {
     },
     /// The results hold no estimates to simulate with.
     #[error(
-        "{}: no estimates for instruments: {reason}; give the results.json that `thetahat solve` or `identify` wrote for \
-         this robot",
+        "{}: no estimates for instruments: {reason}; give the results.json of an identification or of solved reductions \
+         of this robot",
         path.display()
     )]
     NoEstimates {
@@ -166,7 +166,7 @@ pub enum ReductionError {
     #[error("there is no reduction to solve; give at least one")]
     Nothing,
     /// The file is not a reduction, or damaged.
-    #[error("{}: not a reduction, or damaged: {reason}; run `thetahat reduce` again", path.display())]
+    #[error("{}: not a reduction, or damaged: {reason}; reduce the recordings again", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -176,7 +176,7 @@ pub enum ReductionError {
     /// The file is of another version of its form.
     #[error(
         "{}: a reduction of form {found}, this program reads form {form} alone, which holds the findings of the checks and the \
-         marks of samples that two recordings may share; run `thetahat reduce` again",
+         marks of samples that two recordings may share; reduce the recordings again",
         path.display()
     )]
     Version {
@@ -196,7 +196,7 @@ pub enum ReductionError {
         source: io::Error,
     },
     /// The file cannot be written.
-    #[error("{}: cannot be written: {source}; choose another file with --out", path.display())]
+    #[error("{}: cannot be written: {source}; choose another file", path.display())]
     Unwritable {
         /// The file.
         path: PathBuf,

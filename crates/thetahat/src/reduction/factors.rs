@@ -277,7 +277,7 @@ mod tests {
             values.extend(row);
             values.push(y);
         }
-        (Series::from_values(COLUMNS + 1, values), theta)
+        (Series::shaped(COLUMNS + 1, values), theta)
     }
 
     fn digits(found: &[f64], exact: &[f64]) -> f64 {
@@ -318,7 +318,7 @@ mod tests {
         let decimator = Decimator::new(1, 40).unwrap();
         let columns = JointColumns { channels: vec![vec![0], vec![0]], mask: Some(1) };
         let mut accumulator = Accumulator::new(columns, &decimator);
-        accumulator.take(&Series::from_channels(&[vec![1.0; 40], vec![1.02; 40], vec![0.5; 40]]));
+        accumulator.take(&Series::side_by_side(&[vec![1.0; 40], vec![1.02; 40], vec![0.5; 40]]));
         let segments = accumulator.finish();
         assert_eq!(segments.iter().map(|s| s.rows).collect::<Vec<_>>(), [16, 16, 8]);
         assert_eq!(segments[0].counted, [16.0, 4.0]);
@@ -331,7 +331,7 @@ mod tests {
             let decimator = Decimator::new(1, rows).unwrap();
             let columns = JointColumns { channels: vec![vec![0, 1]], mask: None };
             let mut accumulator = Accumulator::new(columns, &decimator);
-            let series = Series::from_values(2, (0..2 * rows).map(|k| (k as f64).sin()).collect());
+            let series = Series::shaped(2, (0..2 * rows).map(|k| (k as f64).sin()).collect());
             for first in (0..rows).step_by(37) {
                 accumulator.take(&series.window(first..(first + 37).min(rows)));
             }

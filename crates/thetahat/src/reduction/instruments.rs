@@ -205,7 +205,7 @@ impl<'a> Simulated<'a> {
             let (from, to) = (near.sample(0), near.sample(near.len() - 1));
             values.extend(from.iter().zip(to).map(|(a, b)| a + (place - first as f64) * (b - a)));
         }
-        let series = Series::from_values(self.model.coordinate_count(), values);
+        let series = Series::shaped(self.model.coordinate_count(), values);
         let reference = Reference::Sampled(SampledReference::new(series, 1.0));
         Ok(self.closed_loop(&reference, None).motor_inertia(theta, (INERTIA_SAMPLES - 1) as f64))
     }

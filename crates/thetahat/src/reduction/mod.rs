@@ -65,9 +65,14 @@ mod value;
 
 pub use error::{ReductionError, SharedSpan};
 pub use estimates::estimates_of_results;
+#[doc(hidden)]
 pub use factors::{JointRows, KeptRows, Segment};
+#[doc(hidden)]
 pub use identity::Identity;
+#[doc(hidden)]
 pub use overlap::Marks;
 pub use reduce::{ReduceOptions, ReduceProgress};
 pub use solve::{IntervalSource, Solution};
-pub use value::{ComparedRecordings, RecordingFolds, ReducedRecording, Reduction};
+#[doc(hidden)]
+pub use value::{ComparedRecordings, RecordingFolds};
+pub use value::{ReducedRecording, Reduction};

@@ -50,7 +50,7 @@ impl NearRestMask {
         let used = self.rule.used(&self.jumps, velocity_around).into_iter().zip(&self.keeps_all);
         let channels: Vec<Vec<f64>> = used.map(|(used, keeps_all)| own(used, *keeps_all)).collect();
         let left_out = channels.iter().map(|used| used.iter().filter(|u| **u == 0.0).count()).collect();
-        MaskedPiece { used: Series::from_channels(&channels), left_out }
+        MaskedPiece { used: Series::side_by_side(&channels), left_out }
     }
 
     /// The mask with which coordinates keep all samples that would lose too many, so many as all pieces left out; none if
@@ -82,7 +82,7 @@ mod tests {
 
     fn velocities() -> Series {
         let of = |k: usize| [(0.05 * k as f64).sin(), 0.02, if k % 97 == 5 { -1.0 } else { 1.0 }];
-        Series::from_values(3, (0..SAMPLES).flat_map(of).collect())
+        Series::shaped(3, (0..SAMPLES).flat_map(of).collect())
     }
 
     fn jumps() -> Vec<Jump> {
@@ -116,7 +116,7 @@ mod tests {
             let whole = RowMask::near_rest(&jumps(), &velocity.window(window.clone()), &rule).unwrap();
             for length in [1, 7, 50, SAMPLES] {
                 let (used, left_out) = in_pieces(&velocity, &window, &rule, length);
-                let ones = Series::from_values(3, vec![1.0; 3 * window.len()]);
+                let ones = Series::shaped(3, vec![1.0; 3 * window.len()]);
                 assert_eq!(used, whole.applied_to(&ones).values(), "{window:?} {length}");
                 let percent: Vec<f64> =
                     whole.left_out().iter().map(|part| (part * window.len() as f64).round()).collect();

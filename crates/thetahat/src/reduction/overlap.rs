@@ -79,7 +79,7 @@ mod tests {
 
     fn record(samples: usize) -> [Series; 2] {
         let wave = |rate: f64| (0..samples).map(|k| (rate * k as f64 * k as f64).sin()).collect::<Vec<_>>();
-        [Series::from_channels(&[wave(1.1), wave(1.3)]), Series::from_channels(&[wave(1.7), wave(1.9)])]
+        [Series::side_by_side(&[wave(1.1), wave(1.3)]), Series::side_by_side(&[wave(1.7), wave(1.9)])]
     }
 
     fn marks(samples: Range<usize>, pieces: &[usize]) -> Marks {

@@ -123,7 +123,8 @@ impl Experiment {
         match self.robot.term_descriptions.iter().any(|term| term.is_profiled()) {
             false => Ok(()),
             true => {
-                let expected = "constants that are stated: a reduction does not search for them; use thetahat identify";
+                let expected =
+                    "constants that are stated: a reduction does not search for them; an identification does";
                 Err(self.refuse(PreparationError::value("[[term]] profile", expected, true)).into())
             }
         }

@@ -58,11 +58,11 @@ impl<'a> Source<'a> {
         simulated: bool,
     ) -> Result<Self, ReductionError> {
         if description.payload.is_some() {
-            let why = "a reduction has no columns of payloads; `thetahat identify` takes recordings with one";
+            let why = "a reduction has no columns of payloads; an identification takes recordings with one";
             return Err(experiment.missing("[recording] without payload", why).into());
         }
         let Some(torque) = &description.torque else {
-            let why = "a reduction is of torques; `thetahat identify` takes positions alone, with methods = [\"cloe\"]";
+            let why = "a reduction is of torques; an identification takes positions alone, by CLOE";
             return Err(experiment.missing("[recording] torque", why).into());
         };
         let (sources, places) = sources_of(description, torque, simulated);

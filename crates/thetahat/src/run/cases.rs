@@ -79,7 +79,7 @@ impl Identification {
     }
 
     /// Every method of every case.
-    fn assess_all(
+    pub(super) fn assess_all(
         &self,
         problems: &[CaseProblem],
         cases: &[Case],

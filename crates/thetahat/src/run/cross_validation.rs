@@ -221,7 +221,7 @@ impl Equations {
         let has_measured = method.design() == Design::Measured || z.is_none();
         let x = has_measured.then_some(regression.x.as_ref());
         let parts: Vec<&Matrix> = z.into_iter().chain(x).chain([&y]).collect();
-        let rows = regression.whiten_matrix(&Matrix::beside(&parts)).into_owned();
+        let rows = regression.whiten_matrix(&Matrix::side_by_side(&parts)).into_owned();
         Self {
             rows,
             parameters: parameters_of(regression, method, instruments),
@@ -235,7 +235,7 @@ impl Equations {
         let part = |first: usize| rows.select_columns(&(first..first + self.parameters).collect::<Vec<_>>());
         let z = self.has_instruments.then(|| part(0));
         let x = if self.has_measured && self.has_instruments { part(self.parameters) } else { part(0) };
-        let regression = Regression::of_one_series(x, rows.column(rows.columns() - 1).to_vec());
+        let regression = Regression::single_series(x, rows.column(rows.columns() - 1).to_vec());
         method.estimate(&regression, z.as_ref(), Divisor::default()).map(|fit| fit.theta)
     }
 }

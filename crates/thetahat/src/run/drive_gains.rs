@@ -96,7 +96,7 @@ impl Gain {
         let qr = PivotedQr::with_equal_columns(x);
         let independent = &qr.pivots()[..qr.rank(RANK_TOLERANCE)];
         let column = Matrix::from_fn(payload.len(), 1, |k, _| payload[k]);
-        let x = Matrix::beside(&[&x.select_columns(independent), &column]);
+        let x = Matrix::side_by_side(&[&x.select_columns(independent), &column]);
         let regression = Regression::new(x, y, layout);
         let not_loaded = || "the payload does not load it, or only as the robot's own parameters do".to_owned();
         let fit = idim_ls(&regression, Default::default()).map_err(|_| not_loaded())?;

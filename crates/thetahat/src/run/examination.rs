@@ -158,7 +158,7 @@ fn note_before_estimates(setup: Setup<'_>, problem: Problem, weights: &[f64]) ->
     uncertain::note(setup, &problem.problem, method, &parameters)
 }
 
-/// The findings with a note on what all recordings together say: that of the only recording, or one for itself.
+/// The findings with a note on all recordings together: in the findings of the only recording, or separately.
 pub(super) fn with_note(mut found: Vec<RecordingFindings>, note: Option<Finding>) -> Vec<RecordingFindings> {
     let Some(note) = note else { return found };
     match &mut found[..] {
@@ -167,7 +167,7 @@ pub(super) fn with_note(mut found: Vec<RecordingFindings>, note: Option<Finding>
             only.findings.sort_by_key(|f| (f.severity, f.code, f.joint));
         }
         _ => {
-            let recording = "all recordings together".to_owned();
+            let recording = "all recordings".to_owned();
             found.push(RecordingFindings { recording, held_back: false, findings: vec![note] });
         }
     }

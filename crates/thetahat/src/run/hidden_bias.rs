@@ -134,8 +134,9 @@ impl Bounded<'_> {
         let MethodEstimate { method, regression, outcome } = self.estimated;
         let torques = directions.iter().flat_map(|d| d.torque.iter().copied()).collect();
         let errors = Matrix::from_columns(regression.x.rows(), torques);
-        let beside = |matrix: &Matrix| Matrix::beside(&[matrix, &errors]);
-        let (regression, z) = (regression.with_matrix(beside(&regression.x)), outcome.instruments.as_ref().map(beside));
+        let with_errors = |matrix: &Matrix| Matrix::side_by_side(&[matrix, &errors]);
+        let (regression, z) =
+            (regression.with_matrix(with_errors(&regression.x)), outcome.instruments.as_ref().map(with_errors));
         let fit = method.estimate(&regression, z.as_ref(), self.divisor)?;
         let intervals = uncertainty(*method, &regression, z.as_ref(), &fit)?.interval_95;
         Ok(intervals[intervals.len() - directions.len()..].to_vec())

@@ -38,6 +38,7 @@ mod prepared;
 mod profile;
 mod profiled_robot;
 mod reduced;
+mod regression;
 mod residual_curves;
 mod sensitivity;
 mod term_comparison;
@@ -48,9 +49,11 @@ mod user_estimators;
 pub(crate) use cross_validation::Folds;
 pub(crate) use curves::skeleton_in;
 pub(crate) use examination::{ExaminationModel, check_recordings, compare, examine, examine_robot};
+#[doc(hidden)]
 pub use identification::Identification;
 pub(crate) use identification::{CaseProblem, explain};
 pub(crate) use prediction::{Identified, predict_torques};
 pub(crate) use prepared::PreparedRecording;
+#[doc(hidden)]
 pub use profiled_robot::with_constants;
 pub(crate) use reduced::{ReducedData, ReducedIdentification, SimulatedInstruments};

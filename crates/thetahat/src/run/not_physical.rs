@@ -70,10 +70,10 @@ fn negative(
     let (name, unit, value) = (&result.name, &result.unit, result.estimate);
     let high = result.interval_95.map(|[_, high]| high);
     let (severity, noise) = match high {
-        Some(high) if high >= 0.0 => (Severity::Note, "noise explains it: its 95 % interval holds zero".to_owned()),
+        Some(high) if high >= 0.0 => (Severity::Note, "noise explains it: its 95 % interval contains zero".to_owned()),
         Some(high) if value + (high - value) * more_than_noise(bounded) / OF_INTERVAL >= 0.0 => (
             Severity::Warning,
-            format!("noise may explain it: one of {bounded} such intervals may lie below zero by chance"),
+            format!("noise may explain it: by chance about one of {bounded} such intervals lies below zero"),
         ),
         Some(_) => (Severity::Problem, "noise does not explain it".to_owned()),
         None => (Severity::Warning, "it has no interval".to_owned()),
@@ -97,13 +97,13 @@ fn more_than_noise(conditions: usize) -> f64 {
     t_quantile(1.0 - CHANCE / conditions.max(1) as f64, f64::MAX).unwrap_or(f64::INFINITY)
 }
 
-/// Links and whatever else is physically impossible together.
+/// Links and parameters that are physically impossible together.
 fn outside(table: &ParameterTable, physical: &PhysicalResult, limit: f64, asked: bool) -> Option<Finding> {
     let lacking = |(name, lacking): (&String, &f64)| {
         let unit = table.index_of(name).map_or("kg m^2", |i| &*table.get(i).unit);
         format!("{name} by {} {unit}", significant(*lacking, 2))
     };
-    let all: Vec<String> = physical.outside.iter().zip(&physical.lacking).map(lacking).collect();
+    let all: Vec<String> = physical.inconsistent.iter().zip(&physical.violations).map(lacking).collect();
     if all.is_empty() {
         return None;
     }
@@ -122,10 +122,10 @@ fn outside(table: &ParameterTable, physical: &PhysicalResult, limit: f64, asked:
         unit: "standard deviations".to_owned(),
         limit: Some(limit),
         message: format!(
-            "these estimates are physically impossible: they are {deviations:.1} standard deviations outside, {noise}; too small are {named}{more}"
+            "these estimates are physically impossible: they are {deviations:.1} standard deviations from a consistent set, {noise}; too small are {named}{more}"
         ),
         remedy: link_remedy(asked, is_noise).to_owned(),
-        parameters: physical.outside.clone(),
+        parameters: physical.inconsistent.clone(),
     })
 }
 

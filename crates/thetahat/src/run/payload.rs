@@ -62,7 +62,7 @@ impl Identification {
         let of_recordings: Vec<f64> = recordings.iter().map(|r| r.recording.weight).collect();
         let weights = problem.weights(setup.settings, Method::IDIM_WLS, &of_recordings);
         let problem = problem.problem;
-        let x = Matrix::beside(&[&problem.regression.x, &of_payload]);
+        let x = Matrix::side_by_side(&[&problem.regression.x, &of_payload]);
         let regression = problem.regression.with_matrix(x).with_weights(weights);
         let found = EstimatedPayload::of(&regression, problem.base.len());
         let layout = &regression.layout;

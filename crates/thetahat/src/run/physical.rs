@@ -51,8 +51,8 @@ impl Examined<'_> {
         };
         let physical = PhysicalResult {
             consistent: found.consistent,
-            outside: found.outside.iter().map(|(condition, _)| condition.to_string()).collect(),
-            lacking: found.outside.iter().map(|(_, lacking)| *lacking).collect(),
+            inconsistent: found.outside.iter().map(|(condition, _)| condition.to_string()).collect(),
+            violations: found.outside.iter().map(|(_, lacking)| *lacking).collect(),
             deviations: found.deviations(&self.linear.fit.covariance).map(|d| d / widening),
             smallest_eigenvalue: found.smallest_eigenvalue,
             findings: Vec::new(),
@@ -166,7 +166,7 @@ impl Examined<'_> {
                 name: p.name.clone(),
                 unit: p.unit.to_string(),
                 estimate: theta[i],
-                beside: free.map(|f| f.estimate),
+                reference_value: free.map(|f| f.estimate),
                 interval_95: free.and_then(|f| f.interval_95).map(inside),
             }
         };
@@ -195,7 +195,7 @@ fn standard_parameters(set: &ConsistentSet, standard: &[f64]) -> Vec<ConsistentP
         name: p.name(),
         unit: p.unit.to_string(),
         estimate: *value,
-        beside: Some(*a_priori),
+        reference_value: Some(*a_priori),
         interval_95: None,
     };
     parameters.map(parameter).collect()

@@ -44,7 +44,7 @@ pub(super) fn with_profiled_terms(
             let Shape::Stribeck(stribeck) = found[k].shape else { continue };
             let rest: Vec<TermColumn> = (0..found.len()).filter(|&i| i != k).map(|i| renamed(&found[i], i)).collect();
             let others_of_terms = if rest.is_empty() { None } else { Some(source.columns(rest)?) };
-            let all = Matrix::beside(&[&others].into_iter().chain(&others_of_terms).collect::<Vec<_>>());
+            let all = Matrix::side_by_side(&[&others].into_iter().chain(&others_of_terms).collect::<Vec<_>>());
             let best = Projection::new(source, weights.clone(), &all).profile(&found[k], stribeck.law)?;
             found[k].shape = Shape::Stribeck(best.stribeck);
             profiled.push(ProfiledTerm {

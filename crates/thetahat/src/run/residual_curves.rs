@@ -58,7 +58,7 @@ fn used_rows(regression: &Regression, joint: usize) -> Vec<bool> {
 
 /// The spectral density, neighbouring frequencies taken together where there are many.
 fn spectrum(residual: &[f64], rate_hz: f64) -> Vec<[f64; 2]> {
-    let found = Spectrum::of(&Series::from_values(1, residual.to_vec()), rate_hz);
+    let found = Spectrum::of(&Series::shaped(1, residual.to_vec()), rate_hz);
     let all: Vec<[f64; 2]> = found.frequencies_hz().zip(&found.density[0]).map(|(f, d)| [f, *d]).skip(1).collect();
     let together = all.len().div_ceil(FREQUENCIES).max(1);
     let mean = |part: &[[f64; 2]]| [0, 1].map(|i: usize| part.iter().map(|p| p[i]).sum::<f64>() / part.len() as f64);

@@ -144,7 +144,7 @@ impl Comparison<'_> {
     fn judge_with(&self, columns: Vec<TermColumn>) -> Result<Option<(ComparedTerm, Vec<String>)>, PreparationError> {
         let parameters: Vec<String> = columns.iter().map(|c| c.parameter.clone()).collect();
         let added = self.source.columns(columns)?;
-        let x = Matrix::beside(&[&self.regression.x, &added]);
+        let x = Matrix::side_by_side(&[&self.regression.x, &added]);
         Ok(judge(&self.regression.with_matrix(x), self.folds.as_ref()).map(|judged| (judged, parameters)))
     }
 

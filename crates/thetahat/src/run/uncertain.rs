@@ -68,9 +68,14 @@ fn remedy(setup: Setup<'_>, problem: &Problem) -> String {
             "{motion}; leaving out {eliminated} parameters by estimate = \"essential\" does not change the error on parts left out"
         );
     }
-    let errors = format!("error on unseen fifths {}, not {} %", significant(essential, 3), significant(whole, 3));
+    let errors = format!(
+        "cross-validated error {} from {} to {} %",
+        if essential <= whole { "falls" } else { "rises" },
+        significant(whole, 3),
+        significant(essential, 3)
+    );
     if essential <= whole {
-        return format!("{motion}, or leave out {eliminated} parameters by estimate = \"essential\" ({errors})");
+        return format!("{motion}, or set estimate = \"essential\": {eliminated} parameters fewer, {errors}");
     }
     format!("{motion}; leave estimate as it is: \"essential\" predicts worse ({errors})")
 }
@@ -109,7 +114,7 @@ struct Fifths(Vec<Matrix>);
 impl Fifths {
     fn new(regression: &Regression) -> Self {
         let y = Matrix::from_fn(regression.y.len(), 1, |i, _| regression.y[i]);
-        let all = Matrix::beside(&[&regression.x, &y]);
+        let all = Matrix::side_by_side(&[&regression.x, &y]);
         let fold = folds_by_part(all.rows() / regression.layout.joints().max(1));
         let count = fold.iter().max().map_or(0, |last| last + 1);
         let own = |f: usize| (0..all.rows()).map(|i| fold[i % fold.len()] == f).collect::<Vec<bool>>();

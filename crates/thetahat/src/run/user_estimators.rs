@@ -54,7 +54,7 @@ impl Identification {
         self.estimators.iter().map(|estimator| data.run(estimator, progress)).collect()
     }
 
-    fn user_regression(&self, problem: &Problem, z: Option<&Matrix>) -> UserRegression {
+    pub(super) fn user_regression(&self, problem: &Problem, z: Option<&Matrix>) -> UserRegression {
         let of_recordings: Vec<f64> = self.main.iter().map(|p| p.filtered.recording.weight).collect();
         let weights = problem.regression.row_weights(&of_recordings, None);
         let regression = problem.regression.with_weights(weights);

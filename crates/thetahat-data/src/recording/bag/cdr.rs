@@ -1,10 +1,10 @@
 //! Joint states from the bytes of a message: the common data representation (CDR) of DDS, as ROS 2 writes it.
 //!
-//! Four bytes say the order of bytes; behind them each number is aligned to its size. Text is its length with the zero at
-//! its end, then the bytes; a sequence is its length, then the elements.
+//! Four bytes state the byte order; after them each number is aligned to its size. Text is its length with the final zero, then the bytes;
+//! a sequence is its length, then the elements.
 //! Sources: OMG DDSI-RTPS 2.2, section 10.2; `sensor_msgs/msg/JointState.msg`.
 
-/// Joints that one message may name.
+/// Largest number of joints that one message may name.
 const MOST_JOINTS: usize = 1024;
 
 /// A message of `sensor_msgs/msg/JointState`.
@@ -13,7 +13,7 @@ pub(super) struct JointState<'a> {
     /// Time of the header in nanoseconds.
     pub(super) stamp_ns: i64,
     pub(super) names: Vec<&'a str>,
-    /// Positions, velocities and efforts: each one for a joint, or none at all.
+    /// Positions, velocities and efforts: one for each joint, or none at all.
     pub(super) fields: [Vec<f64>; 3],
 }
 
@@ -32,7 +32,7 @@ pub(super) fn joint_state(message: &[u8]) -> Result<JointState<'_>, String> {
 }
 
 struct Reader<'a> {
-    /// The bytes behind the first four.
+    /// The bytes after the first four.
     body: &'a [u8],
     at: usize,
     little: bool,

@@ -6,7 +6,7 @@ use super::error::BagError;
 use super::topic::{Field, Message, Topic, Topics};
 use thetahat_ground::series::Series;
 
-/// What a column asks for.
+/// The content of a requested column.
 #[derive(Debug, Clone, PartialEq)]
 enum Asked {
     /// A value of a joint.
@@ -63,9 +63,9 @@ fn field(word: &str) -> Option<Field> {
     Field::ALL.into_iter().find(|field| field.name() == word)
 }
 
-/// The columns asked for, from the messages that hold their joints.
+/// The requested columns, from the messages that contain their joints.
 pub(super) fn of(topics: &Topics, topic: Option<&str>, columns: &[String]) -> Result<Series, RecordingError> {
-    let chosen = SelectedJoint { topics, topic: topics.topic(topic)? };
+    let chosen = SelectedTopic { topics, topic: topics.topic(topic)? };
     let asked = chosen.asked(columns)?;
     chosen.check_joints(&asked)?;
     let mut values = Vec::new();
@@ -75,19 +75,19 @@ pub(super) fn of(topics: &Topics, topic: Option<&str>, columns: &[String]) -> Re
     if values.is_empty() {
         return Err(RecordingError::NoSamples { file: topics.path.clone() });
     }
-    let series = Series::from_values(asked.len(), values);
+    let series = Series::shaped(asked.len(), values);
     for (channel, column) in asked.iter().enumerate() {
         require_finite(&series.channel(channel), &topics.path, &format!("{column:?}"))?;
     }
     Ok(series)
 }
 
-struct SelectedJoint<'a> {
+struct SelectedTopic<'a> {
     topics: &'a Topics,
     topic: &'a Topic,
 }
 
-impl SelectedJoint<'_> {
+impl SelectedTopic<'_> {
     fn asked(&self, columns: &[String]) -> Result<Vec<Asked>, RecordingError> {
         if let [only] = columns
             && let Some(field) = field(only)
@@ -125,7 +125,7 @@ impl SelectedJoint<'_> {
         }
     }
 
-    /// Checks that each joint is in some message, and that a time without a joint is clear.
+    /// Checks that each joint occurs in some message, and that a time without a joint is unambiguous.
     fn check_joints(&self, asked: &[Asked]) -> Result<(), RecordingError> {
         let is_known = |joint: &str| self.topic.joints.iter().flatten().any(|known| known == joint);
         if let Some(joint) = asked.iter().filter_map(Asked::joint).find(|joint| !is_known(joint)) {
@@ -167,13 +167,13 @@ impl SelectedJoint<'_> {
     ) -> Result<(), RecordingError> {
         let joints = self.topic.joints_of(message);
         let place = |joint: &str| joints.iter().position(|known| known == joint);
-        let beside = asked.iter().filter_map(Asked::joint).find(|joint| place(joint).is_some());
-        if beside.is_none() && asked.iter().any(|asked| asked.joint().is_some()) {
+        let present = asked.iter().filter_map(Asked::joint).find(|joint| place(joint).is_some());
+        if present.is_none() && asked.iter().any(|asked| asked.joint().is_some()) {
             return Ok(());
         }
         for asked in asked {
             let joint = match asked.joint() {
-                Some(joint) => place(joint).ok_or_else(|| self.missing_joint(number, joint, beside, joints))?,
+                Some(joint) => place(joint).ok_or_else(|| self.missing_joint(number, joint, present, joints))?,
                 None => 0,
             };
             values.push(self.value(number, message, asked, joint)?);
@@ -197,12 +197,12 @@ impl SelectedJoint<'_> {
         super::topic::seconds(time.nanoseconds(message), first)
     }
 
-    fn missing_joint(&self, message: usize, joint: &str, beside: Option<&str>, found: &[String]) -> RecordingError {
+    fn missing_joint(&self, message: usize, joint: &str, present: Option<&str>, found: &[String]) -> RecordingError {
         self.topics.refuse(BagError::MissingJoint {
             topic: self.topic.name.clone(),
             message,
             joint: joint.to_owned(),
-            beside: beside.unwrap_or_default().to_owned(),
+            present: present.unwrap_or_default().to_owned(),
             found: found.to_vec(),
         })
     }

@@ -1,8 +1,7 @@
 //! Bags in SQLite: rosbag2's `.db3`, with a table of topics and one of messages.
 //!
-//! A database is a program of sorts: views, triggers and generated columns run when it is read. So it is opened for reading
-//! alone, its schema is not trusted, nothing may stand in for the two tables, and a query that runs longer than the file
-//! is large is stopped.
+//! Views, triggers and generated columns of a database run when it is read. Therefore the file is opened read-only, its schema is not
+//! trusted, nothing may replace the two tables, and a query that runs longer than the size of the file justifies is stopped.
 
 use std::path::{Path, PathBuf};
 
@@ -17,9 +16,9 @@ use super::other_topic::OtherTopic;
 use super::topic::{JOINT_STATE, Topics};
 use thetahat_ground::files;
 
-/// Steps of SQLite's virtual machine between two looks at how many there were.
+/// Steps of SQLite's virtual machine between two checks of their number.
 const STEPS_AT_A_TIME: i32 = 10_000;
-/// Steps that the reading of any file may take, and more for each byte. A message takes about ten.
+/// Steps allowed for any file, and more for each byte. A message takes about ten.
 const STEPS: u64 = 10_000_000;
 const STEPS_A_BYTE: u64 = 2;
 
@@ -27,13 +26,13 @@ const STEPS_A_BYTE: u64 = 2;
 pub(super) fn read(path: &Path, topic: Option<&str>) -> Result<Topics, RecordingError> {
     let length = file_length(path)?;
     let topics = Topics::new(path, length);
-    if log_beside(path).is_some_and(|log| files::length(&log).is_ok_and(|length| length > 0)) {
+    if write_ahead_log(path).is_some_and(|log| files::length(&log).is_ok_and(|length| length > 0)) {
         return Err(topics.refuse(BagError::NotClosed));
     }
     Bag { connection: open(path)?, topics }.read(length, topic)
 }
 
-/// A file of the system, opened for reading.
+/// Opens a file of the file system for reading.
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 fn open(path: &Path) -> Result<Connection, RecordingError> {
     use rusqlite::OpenFlags;
@@ -41,7 +40,7 @@ fn open(path: &Path) -> Result<Connection, RecordingError> {
     Connection::open_with_flags(address(path)?, flags).map_err(|e| damaged(path, &e))
 }
 
-/// A file in memory, of which SQLite takes a copy: it opens those of systems only.
+/// Copies a file in memory into SQLite, which itself opens files of the file system only.
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 fn open(path: &Path) -> Result<Connection, RecordingError> {
     let bytes = files::read(path).map_err(|e| unreadable(path, e))?;
@@ -60,14 +59,14 @@ fn in_memory(bytes: &[u8]) -> rusqlite::Result<Connection> {
     Ok(connection)
 }
 
-/// The file in which SQLite keeps what it has not yet put into the database.
-fn log_beside(path: &Path) -> Option<PathBuf> {
+/// The file in which SQLite keeps changes that are not yet in the database.
+fn write_ahead_log(path: &Path) -> Option<PathBuf> {
     let mut name = path.file_name()?.to_owned();
     name.push("-wal");
     Some(path.with_file_name(name))
 }
 
-/// The address of a file that nobody changes, so that SQLite writes nothing beside it.
+/// The address of a file declared immutable, so that SQLite writes no file next to it.
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 fn address(path: &Path) -> Result<String, RecordingError> {
     let path = files::real(path).map_err(|e| unreadable(path, e))?;
@@ -107,7 +106,7 @@ impl Bag {
         damaged(&self.topics.path, error)
     }
 
-    /// Takes from the schema what it could do, and from queries the time without end.
+    /// Disables unsafe features of the schema and limits the time of queries.
     fn distrust(&mut self, length: u64) -> rusqlite::Result<()> {
         self.connection.set_db_config(DbConfig::SQLITE_DBCONFIG_TRUSTED_SCHEMA, false)?;
         self.connection.set_db_config(DbConfig::SQLITE_DBCONFIG_DEFENSIVE, true)?;
@@ -136,7 +135,7 @@ impl Bag {
         }
     }
 
-    /// The topics of joint states, by number and name. The others are noted.
+    /// The topics of joint states, by number and name; adds the others to the list of unread topics.
     fn joint_states(&mut self) -> Result<Vec<(i64, String)>, RecordingError> {
         let (mut joint_states, mut others) = (Vec::new(), Vec::new());
         self.each("SELECT id, name, type, serialization_format FROM topics", &[], |row| {

@@ -2,14 +2,14 @@
 
 use thiserror::Error;
 
-/// Why the joint states of a bag are not accepted. Messages of a topic are counted from 1 in the order of time.
+/// Why the joint states of a bag are rejected. Messages of a topic are counted from 1 in the order of time.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum BagError {
     /// No topic of the bag has joint states.
     #[error(
         "the bag has no topic of type sensor_msgs/msg/JointState in CDR; its topics are {}; \
-         record such a topic, or export the record to CSV", listed(.found)
+         record such a topic, or export the recording to CSV", listed(.found)
     )]
     NoJointStates {
         /// The topics of the bag with their types.
@@ -32,9 +32,9 @@ pub enum BagError {
         found: Vec<String>,
     },
 
-    /// A message holds some of the joints asked for, and not all.
+    /// A message contains some of the requested joints, but not all.
     #[error(
-        "topic {topic:?}, message {message}: expected joint {joint:?} beside {beside:?}, found {}; \
+        "topic {topic:?}, message {message}: expected joint {joint:?} as well as {present:?}, found {}; \
          ask for joints that are in the same messages", listed(.found)
     )]
     MissingJoint {
@@ -42,15 +42,15 @@ pub enum BagError {
         topic: String,
         /// The message, counted from 1.
         message: usize,
-        /// The joint that is not there.
+        /// The missing joint.
         joint: String,
-        /// A joint asked for that is there.
-        beside: String,
+        /// A requested joint that is present.
+        present: String,
         /// The joints of the message.
         found: Vec<String>,
     },
 
-    /// A message holds a joint without the position, velocity or effort asked for.
+    /// A message contains a joint without the requested position, velocity or effort.
     #[error("topic {topic:?}, message {message}: expected the {field} of each joint, found none; leave it out")]
     MissingField {
         /// The topic.
@@ -61,7 +61,7 @@ pub enum BagError {
         field: &'static str,
     },
 
-    /// All joints were asked for at once, and messages differ in their joints or the order of them.
+    /// All joints were requested at once, and messages differ in their joints or in the order of them.
     #[error(
         "topic {topic:?}, message {message}: expected the joints of the first message in the same order ({}), found {}; \
          list the columns by their full names, such as \"{}.position\"",
@@ -78,7 +78,7 @@ pub enum BagError {
         found: Vec<String>,
     },
 
-    /// The time of messages was asked for without a joint, and messages differ in their joints.
+    /// The time of messages was requested without a joint, and messages differ in their joints.
     #[error(
         "topic {topic:?} has messages of different joints, from several publishers; \
          ask for the time of those with one joint by \"{example}\""
@@ -86,7 +86,7 @@ pub enum BagError {
     UnclearTime {
         /// The topic.
         topic: String,
-        /// A name that is clear.
+        /// A name that is unambiguous.
         example: String,
     },
 
@@ -101,8 +101,10 @@ pub enum BagError {
         reason: String,
     },
 
-    /// A bag in SQLite was not closed: what was written last lies in a second file.
-    #[error("the bag was not closed: a file with the ending -wal lies beside it; close it with `sqlite3 FILE vacuum`")]
+    /// A bag in SQLite was not closed: the last changes are in a second file.
+    #[error(
+        "the bag was not closed: there is a file of the same name that ends in -wal; close it with `sqlite3 FILE vacuum`"
+    )]
     NotClosed,
 }
 

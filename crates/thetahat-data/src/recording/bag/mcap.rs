@@ -1,5 +1,5 @@
-//! Bags in MCAP: records one after the other, in compressed chunks or not. Read piece by piece, so that a bag with images
-//! does not come into memory.
+//! Bags in MCAP: consecutive records, in compressed chunks or not. They are read piece by piece, so that the images of a bag are not loaded
+//! into memory.
 
 use std::collections::HashMap;
 use std::io::Read;
@@ -15,11 +15,11 @@ use super::super::place::{file_length, open, unreadable};
 use super::other_topic::OtherTopic;
 use super::topic::{JOINT_STATE, Topics};
 
-/// Longest record that is read: no image or cloud of points in a bag is longer.
+/// Longest record that is read: images and point clouds in a bag are shorter.
 const LONGEST_RECORD: usize = 1 << 26;
 /// Longest name of a topic or a type.
 const LONGEST_NAME: usize = 1024;
-/// Bytes of records that any file may hold when decompressed, and how many for each byte of a larger one.
+/// Decompressed bytes that any file may contain, and the number for each byte of a larger file.
 const ANY_FILE: u64 = 1 << 30;
 const EXPANSION: u64 = 32;
 
@@ -47,11 +47,11 @@ struct Bag<'a> {
     path: &'a Path,
     /// The topic to read.
     topic: Option<&'a str>,
-    /// Bytes of records that may still come.
+    /// Bytes of records still allowed.
     left: u64,
     /// Names of types by their numbers.
     schemas: HashMap<u16, String>,
-    /// Places in the list of topics by the numbers of channels: none for channels that are not read.
+    /// Indices in the list of topics by channel number: none for channels that are not read.
     places: HashMap<u16, Option<usize>>,
     topics: Topics,
 }

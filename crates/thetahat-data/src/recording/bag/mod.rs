@@ -4,17 +4,17 @@
 //! `<joint>.velocity` and `<joint>.effort`, looked up by name in every message, and the times `stamp` (of the header) and
 //! `log_time` (of the recorder), in seconds from the first message of the topic: whole nanoseconds are subtracted before
 //! they become floating-point numbers, since a date in seconds leaves no room for them. Several publishers may share a
-//! topic; messages that hold none of the joints asked for are passed over, and `<joint>.stamp` and `<joint>.log_time` are
-//! the times of the messages that hold a joint.
+//! topic; messages without any of the requested joints are skipped, and `<joint>.stamp` and `<joint>.log_time` are the times of the
+//! messages that contain a joint.
 //!
 //! | file | what it does |
 //! | --- | --- |
-//! | `cdr` | the bytes of a message to joint states |
+//! | `cdr` | converts the bytes of a message to joint states |
 //! | `topic` | the messages of a topic |
-//! | `channels` | joints by name over all messages |
+//! | `channels` | joints by name across all messages |
 //! | `tables` | all columns of a topic, for inspection |
 //! | `db3`, `mcap` | the two kinds of bags |
-//! | `read` | the kind of bag by its format |
+//! | `read` | reads a bag by its format |
 //! | `other_topic` | topics that are not read |
 //! | `error` | what can be wrong with a bag |
 

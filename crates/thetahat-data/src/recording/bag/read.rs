@@ -49,14 +49,14 @@ pub(in super::super) fn tables(path: &Path, _: Format) -> Result<(Vec<Table>, Ve
     Err(RecordingError::FeatureMissing { file: path.to_owned(), format: "ROS 2 bags", feature: "rosbag" })
 }
 
-/// Reads all joint states of a bag in SQLite, and forgets them.
+/// Reads and discards all joint states of a bag in SQLite.
 #[cfg(feature = "rosbag")]
 pub(in super::super) fn fuzz_db3(bytes: &[u8]) {
     let _ = db3::read_bytes(bytes, Path::new("fuzz.db3"))
         .map(|topics| topics.in_order_of_time().list.iter().map(super::tables::of).count());
 }
 
-/// Reads all joint states of a bag in MCAP, and forgets them.
+/// Reads and discards all joint states of a bag in MCAP.
 #[cfg(feature = "rosbag")]
 pub(in super::super) fn fuzz_mcap(bytes: &[u8]) {
     let topics = mcap::read_from(bytes, bytes.len() as u64, Path::new("fuzz.mcap"), None);

@@ -3,7 +3,7 @@
 use super::super::table::{Column, Table};
 use super::topic::{Field, Message, Topic, seconds};
 
-/// A table for each set of joints that messages hold: one for each publisher, as a rule.
+/// A table for each set of joints in the messages, usually one for each publisher.
 pub(super) fn of(topic: &Topic) -> Vec<Table> {
     let mut sets: Vec<Vec<&String>> = Vec::new();
     for joints in &topic.joints {
@@ -46,7 +46,7 @@ fn time(topic: &Topic, messages: &[&Message], name: String, of: fn(&Message) -> 
     Column::of_numbers(name, 1, values)
 }
 
-/// A field of a joint, unless no message has it; NaN where a message has not.
+/// A field of a joint; NaN in messages without it, and none if no message has it.
 fn values(topic: &Topic, messages: &[&Message], joint: &str, field: Field) -> Option<Column> {
     let value = |message: &&Message| {
         let place = topic.joints_of(message).iter().position(|known| known == joint)?;

@@ -302,7 +302,7 @@ fn bag_that_was_not_closed() {
 }
 
 #[test]
-fn reading_leaves_no_file_beside_the_bag() {
+fn reading_leaves_no_file_next_to_the_bag() {
     let (folder, path) = db3(&on_topic(arm()));
     channels(&path, Format::Db3, None, &["elbow.position".to_owned()]).unwrap();
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);

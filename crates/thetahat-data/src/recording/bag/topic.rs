@@ -31,14 +31,14 @@ pub(super) struct Topic {
     values: Vec<f64>,
 }
 
-/// A message: its list of joints, its times, and where its values are.
+/// A message: its list of joints, its times, and the position of its values.
 #[derive(Clone, Copy)]
 pub(super) struct Message {
     pub(super) joints: usize,
     pub(super) stamp_ns: i64,
     pub(super) log_time_ns: i64,
     start: usize,
-    /// Which of positions, velocities and efforts there are.
+    /// Which of positions, velocities and efforts are present.
     present: [bool; 3],
 }
 
@@ -68,7 +68,7 @@ impl Topics {
         Self { path: path.to_owned(), list: Vec::new(), others: Vec::new(), budget }
     }
 
-    /// Adds a topic without messages; its place in the list.
+    /// Adds a topic without messages and returns its index.
     pub(super) fn add_topic(&mut self, name: String) -> usize {
         if let Some(place) = self.list.iter().position(|topic| topic.name == name) {
             return place;
@@ -77,9 +77,9 @@ impl Topics {
         self.list.len() - 1
     }
 
-    /// Adds a message to the topic at a place in the list.
+    /// Adds a message to the topic at an index.
     pub(super) fn add_message(&mut self, place: usize, log_time_ns: i64, message: &[u8]) -> Result<(), RecordingError> {
-        // A message takes as much room as five values, whatever is in it.
+        // A message takes as much memory as five values, in addition to its own values.
         self.budget.take("its messages", &[5])?;
         match self.list[place].add(log_time_ns, message) {
             Ok(values) => self.budget.take("its messages", &[values]).map(|_| ()),
@@ -105,7 +105,7 @@ impl Topics {
         RecordingError::Bag { file: self.path.clone(), problem: Box::new(problem) }
     }
 
-    /// The topic of a name, or the only one of joint states.
+    /// The topic of a given name, or the only one with joint states.
     pub(super) fn topic(&self, name: Option<&str>) -> Result<&Topic, RecordingError> {
         let found: Vec<String> = self.list.iter().map(|topic| topic.name.clone()).collect();
         let others = || self.others.iter().map(|other| format!("{} ({})", other.name, other.kind)).collect();
@@ -122,7 +122,7 @@ impl Topics {
 }
 
 impl Topic {
-    /// Adds a message; the number of its values.
+    /// Adds a message and returns the number of its values.
     fn add(&mut self, log_time_ns: i64, message: &[u8]) -> Result<usize, String> {
         let state = joint_state(message)?;
         let joints = self.list_of_joints(&state.names)?;
@@ -149,7 +149,7 @@ impl Topic {
         &self.joints[message.joints]
     }
 
-    /// A value of the joint at a place in the message's list, if it is there.
+    /// A value of the joint at an index of the message's list, if present.
     pub(super) fn value(&self, message: &Message, joint: usize, field: Field) -> Option<f64> {
         let field = field as usize;
         let before = message.present[..field].iter().filter(|present| **present).count();
@@ -158,7 +158,7 @@ impl Topic {
     }
 }
 
-/// Nanoseconds after a first time, in seconds.
+/// The difference of two times in nanoseconds, in seconds.
 pub(super) fn seconds(time_ns: i64, first_ns: i64) -> f64 {
     (i128::from(time_ns) - i128::from(first_ns)) as f64 * 1e-9
 }

@@ -1,4 +1,4 @@
-//! How a text is written: delimiter, decimal sign, header. What is not set is detected, or refused where it is unclear.
+//! The dialect of a text file: delimiter, decimal sign, header. Unset parts are detected; an ambiguous one is an error.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use super::super::error::RecordingError;
 use super::number::{Decimal, Numbers};
 use super::text::{Text, rows};
 
-/// How a text file is written. What is none is detected.
+/// How a text file is written. Parts that are none are detected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Dialect {
     /// The character between cells; a space stands for any number of spaces.
@@ -17,19 +17,19 @@ pub struct Dialect {
     pub decimal: Option<Decimal>,
     /// Whether the first line names the columns.
     pub header: Option<bool>,
-    /// Whether a last line that is cut is left out; of a detected dialect, whether one was.
+    /// Whether an incomplete last line is left out; in a detected dialect, whether one was.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub drop_cut_line: bool,
 }
 
 /// Delimiters that are detected.
 const DELIMITERS: [u8; 5] = *b"\t;|, ";
-/// How much of a text is looked at to detect its dialect.
+/// Bytes of a text that are examined to detect its dialect.
 const SAMPLE_BYTES: usize = 1 << 16;
 const SAMPLE_ROWS: usize = 64;
 
 impl Dialect {
-    /// The delimiter and whether there is a header, both as set or as detected.
+    /// The delimiter and whether there is a header, as set or as detected.
     pub(super) fn detect(&self, text: &Text<'_>, path: &Path) -> Result<(u8, bool), RecordingError> {
         let beginning = text.beginning(SAMPLE_BYTES);
         let candidates = match self.delimiter {
@@ -51,15 +51,15 @@ impl Dialect {
     }
 }
 
-/// The first rows of a text, split at one delimiter.
+/// The first rows of a text, split at a given delimiter.
 struct Sample {
     delimiter: u8,
     rows: Vec<Row>,
-    /// Line of the first row.
+    /// Line number of the first row.
     line: u64,
 }
 
-/// For each cell whether it is a number.
+/// For each cell, whether it is a number.
 type Row = Vec<bool>;
 
 impl Sample {
@@ -94,18 +94,18 @@ impl Sample {
         self.agreeing() == self.rows.len()
     }
 
-    /// The share of cells that are numbers.
+    /// The fraction of cells that are numbers.
     fn numeric(&self) -> f64 {
         let cells = self.data().iter().flatten();
         cells.clone().filter(|number| **number).count() as f64 / cells.count().max(1) as f64
     }
 
-    /// Whether every line is one number, as far as the first rows go.
+    /// Whether every line is one number, judged by the first rows.
     fn is_one_column(&self) -> bool {
         self.width() == 1 && self.is_consistent() && self.data().iter().flatten().all(|number| *number)
     }
 
-    /// Whether the first row names the columns: it does where it holds text above numbers.
+    /// Whether the first row names the columns: true if it has text above numbers.
     fn header(&self, path: &Path) -> Result<bool, RecordingError> {
         let Some(first) = self.rows.first() else { return Ok(false) };
         if first.iter().all(|number| *number) {
@@ -120,7 +120,7 @@ impl Sample {
     }
 }
 
-/// The one among several readings of a text that makes it a table of numbers.
+/// The one of several readings of a text that is a table of numbers.
 fn best<'a>(samples: &'a [Sample], path: &Path) -> Result<&'a Sample, RecordingError> {
     let tables: Vec<&Sample> = samples.iter().filter(|s| s.width() > 1 && s.is_consistent()).collect();
     let most = tables.iter().map(|s| s.numeric()).fold(0.0, f64::max);
@@ -136,8 +136,8 @@ fn best<'a>(samples: &'a [Sample], path: &Path) -> Result<&'a Sample, RecordingE
     }
 }
 
-/// Where no delimiter gives rows of one length: a single column, else the delimiter that comes nearest, whose error then
-/// names the row. A comma is then a delimiter, and not the decimal sign of a single column, unless that is set.
+/// If no delimiter gives rows of equal length: a single column, otherwise the best delimiter, whose error then names the row. A comma is
+/// then a delimiter, not the decimal sign of a single column, unless that is set.
 fn inconsistent<'a>(samples: &'a [Sample], path: &Path) -> Result<&'a Sample, RecordingError> {
     let comma = samples.iter().find(|s| s.delimiter == b',').or(samples.first());
     let column = comma.filter(|s| s.is_one_column());

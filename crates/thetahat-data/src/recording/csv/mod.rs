@@ -1,12 +1,12 @@
-//! Text in columns: one line per sample, with or without a line of names before.
+//! Text in columns: one line per sample, with or without a header line.
 //!
 //! | file | what it does |
 //! | --- | --- |
 //! | `text` | drops byte order mark, comments and runs of spaces; splits lines into cells |
-//! | `dialect` | what may be set, and what is detected where it is not: delimiter and header |
-//! | `number` | cells to numbers, with a decimal point or comma |
-//! | `read` | a whole file into a table |
-//! | `pieces` | any rows of a long file into a table |
+//! | `dialect` | the settings, and their detection if unset: delimiter and header |
+//! | `number` | converts cells to numbers, with a decimal point or comma |
+//! | `read` | reads a whole file into a table |
+//! | `pieces` | reads any rows of a long file into a table |
 
 mod dialect;
 mod number;

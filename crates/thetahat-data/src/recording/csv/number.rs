@@ -1,10 +1,10 @@
-//! Cells to numbers.
+//! Converts cells to numbers.
 
 use std::str;
 
 use serde::{Deserialize, Serialize};
 
-/// The sign between the whole and the broken part of a number.
+/// The sign between the integer part and the fraction of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Decimal {
     /// `1.5`
@@ -15,14 +15,14 @@ pub enum Decimal {
     Comma,
 }
 
-/// Reads the cells of a file. The first number with a decimal sign decides for the others, if nothing else did.
+/// Reads the cells of a file. The first number with a decimal sign determines it for the others, unless it is set.
 #[derive(Clone, Copy)]
 pub(super) struct Numbers {
     decimal: Option<Decimal>,
 }
 
 impl Numbers {
-    /// Beside a comma as delimiter, the decimal sign is a point unless it is set.
+    /// If the comma is the delimiter, the decimal sign is a point unless it is set.
     pub(super) fn new(decimal: Option<Decimal>, delimiter: u8) -> Self {
         Self { decimal: decimal.or((delimiter == b',').then_some(Decimal::Point)) }
     }
@@ -31,7 +31,7 @@ impl Numbers {
         self.decimal
     }
 
-    /// The number in a cell, if it is one. NaN and infinities are.
+    /// The number in a cell; none if the cell is not a number. NaN and infinities are numbers.
     pub(super) fn read(&mut self, cell: &[u8]) -> Option<f64> {
         let text = str::from_utf8(cell).ok()?.trim();
         match self.decimal {

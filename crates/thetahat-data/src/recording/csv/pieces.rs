@@ -1,7 +1,7 @@
 //! A text file read from any row on.
 //!
-//! A first pass finds where lines begin; a piece is then read and parsed by itself. What makes rows differ from lines
-//! (quotes, single carriage returns) is left to the reader of whole files.
+//! A first pass finds where lines begin; a piece is then read and parsed independently. If rows can differ from lines (quotes, single
+//! carriage returns), the reader of whole files is used.
 
 use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
@@ -11,16 +11,16 @@ use memchr::{memchr, memchr_iter};
 
 use super::super::error::RecordingError;
 use super::super::place::{open, unreadable};
-use super::super::table::{Column, RequestedColumn, Table, is_plausible};
+use super::super::table::{Column, RequestedColumns, Table, is_plausible};
 use super::dialect::Dialect;
 use super::number::Numbers;
 use super::read::{flaw, read_with_dialect};
 use super::text::Text;
 use thetahat_ground::files::{self, File};
 
-/// Rows from one place that is remembered to the next.
+/// Number of rows between two stored positions.
 const ROWS_PER_MARK: usize = 1024;
-/// Bytes of the beginning, from which unset parts of the dialect are detected, and of one step of the first pass.
+/// Size of the beginning from which unset parts of the dialect are detected, and of one step of the first pass.
 const BUFFER: usize = 1 << 20;
 
 /// A text file of which any rows can be read.
@@ -34,7 +34,7 @@ pub(in super::super) struct TextPieces {
     end: u64,
 }
 
-/// Where every so many-th row begins.
+/// A stored position in the file.
 #[derive(Clone, Copy)]
 struct Mark {
     byte: u64,
@@ -43,17 +43,17 @@ struct Mark {
 }
 
 impl TextPieces {
-    /// Looks through a file; none where it must be read whole.
+    /// Scans a file; none if it must be read whole.
     pub(in super::super) fn open(
         path: &Path,
         dialect: &Dialect,
-        wanted: RequestedColumn<'_>,
+        wanted: RequestedColumns<'_>,
     ) -> Result<Option<Self>, RecordingError> {
         let mut file = open(path)?;
         let mut beginning = Vec::new();
         Read::by_ref(&mut file).take(BUFFER as u64).read_to_end(&mut beginning).map_err(|e| unreadable(path, e))?;
         if beginning.len() == BUFFER {
-            // A line that is cut, or longer than all that is looked at.
+            // A line that is incomplete, or longer than the examined beginning.
             let Some(last) = memchr::memrchr(b'\n', &beginning) else { return Ok(None) };
             beginning.truncate(last + 1);
         }
@@ -80,11 +80,11 @@ impl TextPieces {
         self.rows
     }
 
-    /// The columns of these rows. Those not wanted are there by name, without values.
+    /// The columns of these rows. Columns that are not requested have a name and no values.
     pub(in super::super) fn read(
         &self,
         range: Range<usize>,
-        wanted: RequestedColumn<'_>,
+        wanted: RequestedColumns<'_>,
     ) -> Result<Table, RecordingError> {
         let mark = self.marks.get(range.start / ROWS_PER_MARK).copied().unwrap_or(Mark { byte: self.end, line: 0 });
         let end = self.marks.get(range.end.div_ceil(ROWS_PER_MARK)).map_or(self.end, |mark| mark.byte);
@@ -194,12 +194,12 @@ struct Scan {
     rows: usize,
     line: u64,
     line_start: u64,
-    /// Whether the line has been seen to be a row in an earlier buffer.
+    /// Whether an earlier buffer already showed that the line is a row.
     content: bool,
 }
 
 impl Scan {
-    /// Marks, rows and the end of the file; none where it must be read whole.
+    /// Marks, rows and the end of the file; none if it must be read whole.
     fn run(mut self, mut file: File, path: &Path) -> Result<Option<(Vec<Mark>, usize, u64)>, RecordingError> {
         let refuse = |e| unreadable(path, e);
         file.seek(SeekFrom::Start(self.line_start)).map_err(refuse)?;

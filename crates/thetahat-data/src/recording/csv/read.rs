@@ -1,4 +1,4 @@
-//! A text file into a table.
+//! Reads a text file into a table.
 
 use std::io;
 use std::path::Path;
@@ -7,20 +7,20 @@ use csv::ByteRecord;
 use memchr::memchr;
 
 use super::super::error::RecordingError;
-use super::super::table::{Column, Flaw, RequestedColumn, Table, is_plausible};
+use super::super::table::{Column, Flaw, RequestedColumns, Table, is_plausible};
 use super::dialect::Dialect;
 use super::number::Numbers;
 use super::text::{Text, characters, rows};
 
-/// Most columns of a text: a line of more is a matrix that lies on its side.
+/// Most columns of a text: a line with more is a matrix with channels in rows.
 const MOST_COLUMNS: usize = 10_000;
 
-/// The columns of a text. Those not wanted are there by name, without values.
+/// The columns of a text. Columns that are not requested have a name and no values.
 pub(in super::super) fn read(
     bytes: &[u8],
     path: &Path,
     dialect: &Dialect,
-    wanted: RequestedColumn<'_>,
+    wanted: RequestedColumns<'_>,
 ) -> Result<Table, RecordingError> {
     read_with_dialect(bytes, path, dialect, wanted).map(|(table, _)| table)
 }
@@ -30,7 +30,7 @@ pub(in super::super) fn read_with_dialect(
     bytes: &[u8],
     path: &Path,
     dialect: &Dialect,
-    wanted: RequestedColumn<'_>,
+    wanted: RequestedColumns<'_>,
 ) -> Result<(Table, Dialect), RecordingError> {
     let text = Text::of(bytes, path)?;
     let (delimiter, header) = dialect.detect(&text, path)?;
@@ -59,7 +59,7 @@ pub(in super::super) fn read_with_dialect(
     Ok((table, Dialect { delimiter: Some(delimiter.into()), decimal, header: Some(header), drop_cut_line: cut_line }))
 }
 
-/// The names in the first row; none where it holds numbers.
+/// The names in the first row; none if it holds numbers.
 pub(in super::super) fn names(bytes: &[u8], path: &Path, dialect: &Dialect) -> Result<Vec<String>, RecordingError> {
     let text = Text::of(bytes, path)?;
     let (delimiter, header) = dialect.detect(&text, path)?;
@@ -73,20 +73,20 @@ fn name(cell: &[u8]) -> String {
     characters(cell).trim().to_owned()
 }
 
-/// The columns while their rows are read.
+/// The columns while their rows are being read.
 struct Columns<'a> {
     path: &'a Path,
     text: &'a Text<'a>,
     delimiter: u8,
     numbers: Numbers,
     columns: Vec<Column>,
-    /// Places of the columns that are wanted.
+    /// Indices of the requested columns.
     read: Vec<usize>,
 }
 
 impl Columns<'_> {
-    /// Makes the columns, with the names in the first row or numbered from 1.
-    fn name(&mut self, first: &ByteRecord, header: bool, wanted: RequestedColumn<'_>) -> Result<(), RecordingError> {
+    /// Creates the columns, with the names in the first row or numbered from 1.
+    fn name(&mut self, first: &ByteRecord, header: bool, wanted: RequestedColumns<'_>) -> Result<(), RecordingError> {
         if first.len() > MOST_COLUMNS {
             let (file, line) = (self.path.to_owned(), self.text.line(first));
             return Err(RecordingError::TooManyColumns { file, line, found: first.len(), limit: MOST_COLUMNS });

@@ -1,13 +1,13 @@
 use std::path::Path;
 
-use super::super::table::{RequestedColumn, Table};
+use super::super::table::{RequestedColumns, Table};
 use super::super::{Format, RecordingError, select};
 use super::*;
 use thetahat_ground::series::Series;
 
 fn with(dialect: Dialect, text: &[u8], columns: &[&str]) -> Result<Series, RecordingError> {
     let (path, columns) = (Path::new("q.csv"), columns.iter().map(|&c| c.to_owned()).collect::<Vec<_>>());
-    let wanted = if columns.is_empty() { RequestedColumn::All } else { RequestedColumn::Named(&columns) };
+    let wanted = if columns.is_empty() { RequestedColumns::All } else { RequestedColumns::Named(&columns) };
     let table: Table = read(text, path, &dialect, wanted)?;
     select::series(&table, Format::Csv, &columns, path)
 }
@@ -20,9 +20,9 @@ fn failure(text: &str, columns: &[&str]) -> RecordingError {
     table(text, columns).unwrap_err()
 }
 
-/// What is detected of a text.
+/// The dialect detected in a text.
 fn detected(text: &str) -> Dialect {
-    read_with_dialect(text.as_bytes(), Path::new("q.csv"), &Dialect::default(), RequestedColumn::All).unwrap().1
+    read_with_dialect(text.as_bytes(), Path::new("q.csv"), &Dialect::default(), RequestedColumns::All).unwrap().1
 }
 
 fn values(text: &str) -> Vec<f64> {
@@ -146,7 +146,7 @@ fn every_delimiter_is_detected() {
 }
 
 #[test]
-fn decimal_comma_beside_every_other_delimiter() {
+fn decimal_comma_with_every_other_delimiter() {
     for delimiter in [';', '\t', '|', ' '] {
         let text = "t_q1\n0,5_1\n1_-2,5e-3\n".replace('_', &delimiter.to_string());
         let dialect = detected(&text);
@@ -255,7 +255,7 @@ fn damaged_bytes_never_panic() {
     }
 }
 
-/// Spreadsheets of many countries write Latin-1: degrees, micro and the dot of a product are told all the same.
+/// Spreadsheets of many countries write Latin-1: degrees, micro and the dot of a product are still recognised.
 #[test]
 fn names_in_latin_1_are_read() {
     let header = |text: &[u8]| names(text, Path::new("q.csv"), &Dialect::default()).unwrap();

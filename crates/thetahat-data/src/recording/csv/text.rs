@@ -1,4 +1,4 @@
-//! The text of a file, made ready for the `csv` crate.
+//! Prepares the text of a file for the `csv` crate.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -7,12 +7,12 @@ use csv::{ByteRecord, Reader, ReaderBuilder};
 
 use super::super::error::RecordingError;
 
-/// The characters of a cell: UTF-8, and where it is none, Latin-1, as spreadsheets write `°` in many countries.
+/// The characters of a cell: UTF-8, or otherwise Latin-1, as spreadsheets write `°` in many countries.
 pub(super) fn characters(cell: &[u8]) -> String {
     str::from_utf8(cell).map_or_else(|_| cell.iter().map(|&byte| char::from(byte)).collect(), str::to_owned)
 }
 
-/// Text from the first line that is neither empty nor a comment on.
+/// Text from the first line that is neither empty nor a comment.
 pub(super) struct Text<'a> {
     body: &'a [u8],
     /// Number of lines before the body.
@@ -35,7 +35,7 @@ impl<'a> Text<'a> {
         Ok(text)
     }
 
-    /// Where the first line ends, if it is empty or a comment.
+    /// The end of the first line, if it is empty or a comment.
     fn end_of_remark(&self) -> Option<usize> {
         let end = self.body.iter().position(|&b| b == b'\n').map_or(self.body.len(), |newline| newline + 1);
         let line = self.body[..end].trim_ascii();
@@ -49,12 +49,12 @@ impl<'a> Text<'a> {
         Text { body: cut.map_or(self.body, |newline| &self.body[..=newline]), skipped: self.skipped }
     }
 
-    /// Where the body begins in the bytes that the text was made of: the byte, and the line from 1.
+    /// Where the body begins in the original bytes: the byte, and the line from 1.
     pub(super) fn start(&self, bytes: &[u8]) -> (u64, u64) {
         ((bytes.len() - self.body.len()) as u64, self.skipped + 1)
     }
 
-    /// The text as the reader of rows takes it: with the space as delimiter, runs of spaces become one.
+    /// The text prepared for the reader of rows: with the space as delimiter, runs of spaces become one.
     pub(super) fn prepared(&self, delimiter: u8) -> Cow<'a, [u8]> {
         if delimiter == b' ' { Cow::Owned(single_spaces(self.body)) } else { Cow::Borrowed(self.body) }
     }
@@ -70,7 +70,7 @@ pub(super) fn rows(prepared: &[u8], delimiter: u8) -> Reader<&[u8]> {
     ReaderBuilder::new().flexible(true).has_headers(false).delimiter(delimiter).from_reader(prepared)
 }
 
-/// The text without spaces at the beginnings and ends of lines, and one where several follow one another.
+/// The text without spaces at the beginnings and ends of lines, and with each run of spaces reduced to one.
 fn single_spaces(text: &[u8]) -> Vec<u8> {
     let mut single = Vec::with_capacity(text.len());
     let mut space = false;

@@ -1,10 +1,10 @@
-//! The values of a channel in a few numbers.
+//! Summarises the values of a channel.
 
 use serde::Serialize;
 
 use super::super::table::is_plausible;
 
-/// Range and resolution of a channel, over its finite values; none where there are none.
+/// Range and resolution of a channel, over its finite values; none if there are none.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ChannelSummary {
     /// The smallest value.
@@ -19,7 +19,7 @@ pub struct ChannelSummary {
     pub resolution: Option<f64>,
     /// Whether all finite values are equal.
     pub constant: bool,
-    /// Number of values that are NaN, infinite, beyond all recorded values, missing or text.
+    /// Number of values that are NaN, infinite, implausibly large, missing or text.
     pub not_finite: usize,
 }
 
@@ -29,7 +29,7 @@ impl ChannelSummary {
         let count = finite().count();
         let min = finite().reduce(f64::min);
         let max = finite().reduce(f64::max);
-        // Divided before they are added, so that no sum exceeds what a number holds.
+        // Values are divided before they are added, so that no sum overflows.
         let scale = min.into_iter().chain(max).map(f64::abs).fold(0.0, f64::max);
         let scaled = || finite().map(|value| if scale > 0.0 { value / scale } else { 0.0 });
         let average = |sum: f64| (count > 0).then(|| sum / count as f64);

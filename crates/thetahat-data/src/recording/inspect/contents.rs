@@ -1,4 +1,4 @@
-//! The summaries of a file and its tables, and the walk over a file.
+//! The summaries of a file and its tables, and the reading of a file for them.
 
 use std::path::{Path, PathBuf};
 
@@ -11,12 +11,12 @@ use super::super::format::{Format, Holds};
 use super::super::place::file_bytes;
 use super::super::reader;
 use super::super::source::ChannelSource;
-use super::super::table::{Column, Flaw, RequestedColumn, Table};
+use super::super::table::{Column, Flaw, RequestedColumns, Table};
 use super::channel::ChannelSummary;
 use super::time::{TimeSummary, is_named, times};
 use thetahat_ground::files;
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Contents {
     /// The file.
@@ -25,14 +25,13 @@ pub struct Contents {
     pub format: Format,
     /// How a text file is written, as detected.
     pub dialect: Option<Dialect>,
-    /// Columns that stand together: a text or Parquet file, variables of equally many samples, or the messages
-    /// of a topic that hold the same joints.
+    /// Groups of columns: a text or Parquet file, variables of equal length, or the messages of a topic with the same joints.
     pub tables: Vec<TableSummary>,
     /// Topics of a bag that are not read.
     pub other_topics: Vec<OtherTopic>,
 }
 
-/// Columns with equally many samples.
+/// Columns of equal length.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TableSummary {
     /// The topic; empty for other files.
@@ -48,30 +47,30 @@ pub struct TableSummary {
 /// A column, or a variable of several columns.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ColumnSummary {
-    /// Its name, as a description names it.
+    /// Its name, as used in a description.
     pub name: String,
     /// Number of channels: columns of a matrix.
     pub channels: usize,
-    /// Whether the channels are the rows of the matrix: it is far wider than high.
+    /// Whether the channels are the rows of the matrix: it has far more columns than rows.
     pub in_rows: bool,
     /// Number of samples of each channel.
     pub samples: usize,
-    /// What the column holds, if it is not numbers alone.
+    /// What the column contains, if it is not only numbers.
     pub not_numeric: Option<String>,
     /// A summary of each channel.
     pub statistics: Vec<ChannelSummary>,
 }
 
-/// What the file at `path` holds: tables, columns with ranges and resolution, times with rate, jitter and gaps.
+/// The content of the file at `path`: tables, columns with ranges and resolution, times with rate, jitter and gaps.
 ///
 /// # Errors
 /// A [`RecordingError`] if the file cannot be read, is of no known format, is damaged, or has lines of different lengths.
-/// Columns of text, values that are not finite and irregular times are not errors but reported.
+/// Columns of text, values that are not finite and irregular times are reported and are not errors.
 pub fn inspect(path: &Path) -> Result<Contents, RecordingError> {
     inspect_with_time(path, None)
 }
 
-/// The same where the user says which column is the time, as `NAME` or `FILE:NAME`: it is summarised whatever its name.
+/// [`inspect`] where the user names the column of time, as `NAME` or `FILE:NAME`: it is summarised whatever its name.
 ///
 /// # Errors
 /// As [`inspect`].
@@ -87,14 +86,14 @@ pub fn inspect_with_time(path: &Path, time: Option<&str>) -> Result<Contents, Re
     })
 }
 
-/// Largest file that is looked through for times that nobody named.
+/// Largest file that is searched for times without being asked.
 const SMALL_BYTES: u64 = 1 << 26;
-/// Part of the rate by which a stated one may differ from that of the times.
+/// Relative difference allowed between a stated rate and that of the times.
 const RATE_TOLERANCE: f64 = 0.01;
 
-/// A column of times in the file of a signal whose rate is another than the stated one, and its rate, Hz.
+/// A column of times in the file of a signal whose rate contradicts the stated one, and its rate, Hz.
 ///
-/// Only columns with the name of a time count, and only in files of at most 64 MiB; none where the file cannot be read.
+/// Only columns with the name of a time count, and only in files of at most 64 MiB; none if the file cannot be read.
 #[must_use]
 pub fn contradicting_times(source: &ChannelSource, root: &Path, stated_hz: f64) -> Option<(String, f64)> {
     let path = source.path(root);
@@ -104,7 +103,7 @@ pub fn contradicting_times(source: &ChannelSource, root: &Path, stated_hz: f64) 
     }
     if format.holds() == Holds::Lines {
         let names = csv::names(&file_bytes(&path).ok()?, &path, &Dialect::default()).ok()?;
-        // The many columns of numbers are not read for nothing.
+        // The columns of numbers are read only if one of the names is a time's.
         if !names.iter().any(|name| is_named(name)) {
             return None;
         }
@@ -122,7 +121,7 @@ fn tables(path: &Path, format: Format) -> Result<Tables, RecordingError> {
         Holds::Lines => {
             let bytes = file_bytes(path)?;
             let tolerant = Dialect { drop_cut_line: true, ..Dialect::default() };
-            let (table, dialect) = csv::read_with_dialect(&bytes, path, &tolerant, RequestedColumn::All)?;
+            let (table, dialect) = csv::read_with_dialect(&bytes, path, &tolerant, RequestedColumns::All)?;
             (vec![table], Some(dialect), Vec::new())
         }
         Holds::Topics => {
@@ -130,7 +129,7 @@ fn tables(path: &Path, format: Format) -> Result<Tables, RecordingError> {
             (tables, None, other_topics)
         }
         Holds::Arrays => {
-            let mut table = reader::table(path, format, &Dialect::default(), RequestedColumn::All)?;
+            let mut table = reader::table(path, format, &Dialect::default(), RequestedColumns::All)?;
             table.columns.iter_mut().for_each(set_upright);
             (by_samples(table), None, Vec::new())
         }
@@ -138,12 +137,12 @@ fn tables(path: &Path, format: Format) -> Result<Tables, RecordingError> {
     Ok((tables, dialect, other_topics))
 }
 
-/// Columns beyond which a matrix with far fewer rows has its channels in the rows.
+/// Number of columns beyond which a matrix with far fewer rows has its channels in the rows.
 const WIDE: usize = 100;
-/// How many times as many columns as rows such a matrix has at least.
+/// Least ratio of columns to rows of such a matrix.
 const WIDER: usize = 4;
 
-/// Turns a matrix that lies on its side: its channels are its rows.
+/// Transposes a matrix that has its channels in rows.
 fn set_upright(column: &mut Column) {
     let (samples, channels) = (column.samples(), column.channels);
     if channels <= WIDE || channels < WIDER * samples {
@@ -155,7 +154,7 @@ fn set_upright(column: &mut Column) {
     column.in_rows = true;
 }
 
-/// Variables of equally many samples together.
+/// Groups variables of equal length.
 fn by_samples(table: Table) -> Vec<Table> {
     let mut tables: Vec<Table> = Vec::new();
     for column in table.columns {

@@ -1,12 +1,12 @@
-//! What a file holds: its tables and columns, with ranges, resolution, rate, jitter and gaps.
+//! The content of a file: its tables and columns, with ranges, resolution, rate, jitter and gaps.
 //!
-//! Nothing is refused that can be told: columns of text, missing values and irregular times are part of the answer.
+//! Whatever can be reported is not an error: columns of text, missing values and irregular times are part of the result.
 //!
 //! | file | what it does |
 //! | --- | --- |
-//! | `contents` | the summaries, and the walk over a file |
+//! | `contents` | the summaries, and the reading of a file for them |
 //! | `channel` | range, mean, root mean square and resolution of a channel |
-//! | `time` | which columns are times; unit, rate, jitter, gaps, repetitions |
+//! | `time` | columns that are times; unit, rate, jitter, gaps, repetitions |
 
 mod channel;
 mod contents;

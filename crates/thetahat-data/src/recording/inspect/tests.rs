@@ -36,7 +36,7 @@ fn range_and_resolution_of_a_column() {
 }
 
 #[test]
-fn text_and_missing_values_are_told_and_not_refused() {
+fn text_and_missing_values_are_reported_and_not_refused() {
     let contents = inspected("q.csv", b"q;state\n1,5;run\nNaN;run\n2,5;\n");
     let [q, state] = only(&contents).columns.as_slice() else { panic!("{contents:?}") };
     assert_eq!((q.statistics[0].not_finite, q.statistics[0].mean, &q.not_numeric), (1, Some(2.0), &None));

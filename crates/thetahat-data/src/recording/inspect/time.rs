@@ -1,4 +1,4 @@
-//! Times: which columns they are, their unit, rate, jitter and gaps.
+//! Times: which columns are times, their unit, rate, jitter and gaps.
 
 use serde::Serialize;
 
@@ -7,21 +7,21 @@ use super::super::unit::Unit;
 
 /// A step longer than this many usual steps is a gap.
 const GAP: f64 = 1.5;
-/// Jitter (root mean square) below which a rising column without the name of a time is one.
+/// Jitter (root mean square) below which a rising column counts as a time whatever its name.
 const EVEN: f64 = 0.05;
-/// Sample rates of recordings in Hz, by which the unit of a time is guessed.
+/// Sample rates of recordings in Hz, for guessing the unit of a time.
 const RATES: std::ops::Range<f64> = 10.0..20_000.0;
 /// Units of time, in the order in which they are tried.
 const UNITS: [Unit; 4] = [Unit::Second, Unit::Millisecond, Unit::Microsecond, Unit::Nanosecond];
 
-/// A column that is a time.
+/// A column of times.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TimeSummary {
     /// The column.
     pub column: String,
-    /// Whether its name is that of a time, or it was asked for.
+    /// Whether its name is that of a time, or it was requested.
     pub is_named: bool,
-    /// The unit, by its name or else such that the rate is between 10 Hz and 20 kHz. Of a bag it is the second.
+    /// The unit, by its name or otherwise such that the rate is between 10 Hz and 20 kHz. For a bag it is the second.
     pub unit: Unit,
     /// Samples per second: one divided by the usual step, which is the time without gaps divided by its steps.
     pub rate_hz: f64,
@@ -31,24 +31,24 @@ pub struct TimeSummary {
     pub jitter_max: f64,
     /// Steps of more than one and a half usual steps.
     pub gaps: Vec<Gap>,
-    /// Number of times that equal the one before.
+    /// Number of times equal to the previous one.
     pub repeated: usize,
-    /// Number of times that are earlier than the one before.
+    /// Number of times earlier than the previous one.
     pub backwards: usize,
 }
 
 /// A step that is too long.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Gap {
-    /// The sample behind the gap, counted from 0.
+    /// The sample after the gap, counted from 0.
     pub sample: usize,
     /// The length of the step in seconds.
     pub length_s: f64,
-    /// How many samples are missing: the usual steps in it, less one.
+    /// Number of missing samples: the number of usual steps in it, less one.
     pub missing: u64,
 }
 
-/// The columns that are times: the one that is asked for first, then those with a name of one. `asked` is `NAME` or
+/// The columns that are times: the requested one first, then those with a name of a time. `asked` is `NAME` or
 /// `FILE:NAME`.
 pub(super) fn times(columns: &[Column], in_seconds: bool, asked: Option<&str>) -> Vec<TimeSummary> {
     let is_asked = |c: &Column| asked.is_some_and(|asked| asked == c.name || asked.ends_with(&format!(":{}", c.name)));
@@ -59,7 +59,7 @@ pub(super) fn times(columns: &[Column], in_seconds: bool, asked: Option<&str>) -
     summaries.into_iter().map(|(_, summary)| summary).collect()
 }
 
-/// Whether a name is one of a time: `t`, `time`, `stamp` and their like, with or without a unit, by itself or behind a path.
+/// Whether a name is that of a time: `t`, `time`, `stamp` and similar, with or without a unit, alone or at the end of a path.
 pub(super) fn is_named(name: &str) -> bool {
     let name = name.to_ascii_lowercase();
     let last = |sign| name.rsplit(sign).next().unwrap_or_default();
@@ -99,8 +99,8 @@ fn time(column: &Column, in_seconds: bool, is_named: bool) -> Option<TimeSummary
     })
 }
 
-/// The step between samples: the whole time divided by the number of steps in it, of which a gap holds several. The median
-/// step alone would carry the rounding of the times.
+/// The step between samples: the total time divided by the number of steps, with several in each gap. The median step alone would contain
+/// the rounding of the times.
 fn period(steps: &[f64]) -> Option<f64> {
     let median = median(steps)?;
     let count: f64 = steps.iter().map(|step| (step / median).round()).sum();
@@ -108,7 +108,7 @@ fn period(steps: &[f64]) -> Option<f64> {
     Some(if (mean / median - 1.0).abs() < 0.5 { mean } else { median })
 }
 
-/// The median of the steps forward.
+/// The median of the positive steps.
 fn median(steps: &[f64]) -> Option<f64> {
     let mut forward: Vec<f64> = steps.iter().copied().filter(|step| *step > 0.0 && step.is_finite()).collect();
     let middle = forward.len() / 2;
@@ -135,7 +135,7 @@ fn gaps(steps: &[f64], period: f64, unit: Unit) -> Vec<Gap> {
     long.map(gap).collect()
 }
 
-/// The unit in a name such as `t_ms` or `time [us]`; else the first that makes the rate one of a recording.
+/// The unit in a name such as `t_ms` or `time [us]`; otherwise the first that gives the rate of a recording.
 fn unit(name: &str, period: f64) -> Unit {
     let word = name.trim_end_matches([']', ')']).rsplit(['_', ' ', '[', '(', '/']).next().unwrap_or_default();
     let named = UNITS.into_iter().find(|unit| name != word && unit.symbol() == word);

@@ -21,7 +21,7 @@ impl ByteOrder {
         })
     }
 
-    /// The bytes of a number in the order of this machine's numbers from little to big.
+    /// The bytes of a number as little-endian.
     fn little<const N: usize>(self, mut bytes: [u8; N]) -> [u8; N] {
         if matches!(self, Self::Big) {
             bytes.reverse();
@@ -35,7 +35,7 @@ pub(super) struct Element<'a> {
     pub(super) kind: u32,
     pub(super) offset: usize,
     pub(super) data: &'a [u8],
-    /// Length with tag and padding.
+    /// Length including tag and padding.
     length: usize,
 }
 
@@ -78,7 +78,7 @@ impl Element<'_> {
     }
 }
 
-/// The elements that follow one another in `bytes`; the offset of the first that does not fit, if there is one.
+/// The consecutive elements in `bytes`, or the offset of the first that does not fit.
 pub(super) fn elements(bytes: &[u8], order: ByteOrder) -> Result<Vec<Element<'_>>, usize> {
     let mut elements = Vec::new();
     let mut offset = 0;

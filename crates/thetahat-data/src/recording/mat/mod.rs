@@ -8,9 +8,9 @@
 //! | `v5` | variables of version 5 from their elements |
 //! | `v73` | variables of version 7.3, which is HDF5 |
 //!
-//! The crate that read version 5 before, `matfile`, does not know fields of structures and int32 matrices, reads a file
-//! that was cut short as one with fewer variables, and decompresses without bound; with the elements walked over and
-//! decompressed here, only the numbers themselves were left to it, so they are read here too.
+//! The former reader of version 5, the crate `matfile`, does not support fields of structures and int32 matrices, reads a truncated file as
+//! one with fewer variables, and decompresses without bound; since the elements are walked and decompressed here, the numbers are read here
+//! too.
 
 mod elements;
 mod read;

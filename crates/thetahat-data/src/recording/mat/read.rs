@@ -3,19 +3,19 @@
 use std::path::Path;
 
 use super::super::error::RecordingError;
-use super::super::table::{Column, RequestedColumn, Table};
+use super::super::table::{Column, RequestedColumns, Table};
 use super::v5;
 #[cfg(feature = "hdf5")]
 use super::v73;
 
-/// The signature of an HDF5 file, at its beginning or behind a header of 512 bytes.
+/// The signature of an HDF5 file, at its beginning or after a header of 512 bytes.
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
 
-/// The variables of a MAT file. Those not wanted are there by name, without values.
+/// The variables of a MAT file. Variables that are not requested have a name and no values.
 pub(in super::super) fn read(
     bytes: Vec<u8>,
     path: &Path,
-    wanted: RequestedColumn<'_>,
+    wanted: RequestedColumns<'_>,
 ) -> Result<Table, RecordingError> {
     let columns = if is_version_7_3(&bytes) { read_v73(bytes, path, wanted)? } else { v5::read(&bytes, path, wanted)? };
     Ok(Table { name: String::new(), columns })
@@ -29,7 +29,7 @@ fn is_version_7_3(bytes: &[u8]) -> bool {
 pub(in super::super) fn read_v73(
     bytes: Vec<u8>,
     path: &Path,
-    wanted: RequestedColumn<'_>,
+    wanted: RequestedColumns<'_>,
 ) -> Result<Vec<Column>, RecordingError> {
     v73::read(bytes, path, wanted)
 }
@@ -38,7 +38,7 @@ pub(in super::super) fn read_v73(
 pub(in super::super) fn read_v73(
     _: Vec<u8>,
     path: &Path,
-    _: RequestedColumn<'_>,
+    _: RequestedColumns<'_>,
 ) -> Result<Vec<Column>, RecordingError> {
     Err(RecordingError::FeatureMissing { file: path.to_owned(), format: "MAT files of version 7.3", feature: "hdf5" })
 }

@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use super::super::table::RequestedColumn;
+use super::super::table::RequestedColumns;
 use super::super::test_files::MatBytes;
 use super::super::{Format, RecordingError, select};
 use super::*;
@@ -10,7 +10,7 @@ const FILE: &str = "q.mat";
 
 fn loaded(bytes: &[u8], names: &[&str]) -> Result<Series, RecordingError> {
     let (path, names) = (Path::new(FILE), names.iter().map(|&n| n.to_owned()).collect::<Vec<_>>());
-    let wanted = if names.is_empty() { RequestedColumn::All } else { RequestedColumn::Named(&names) };
+    let wanted = if names.is_empty() { RequestedColumns::All } else { RequestedColumns::Named(&names) };
     select::series(&read(bytes.to_vec(), path, wanted)?, Format::Mat, &names, path)
 }
 
@@ -116,7 +116,7 @@ fn damaged_bytes_never_panic() {
         for damage in [0x00, 0x01, 0x02, 0x0e, 0x0f, 0x7f, 0x80, 0xff] {
             let mut bytes = whole.bytes().to_vec();
             bytes[place] = damage;
-            let _ = read(bytes, Path::new(FILE), RequestedColumn::All);
+            let _ = read(bytes, Path::new(FILE), RequestedColumns::All);
         }
     }
 }
@@ -216,7 +216,7 @@ mod version_7_3 {
             for damage in [0x00, 0x01, 0x7f, 0xff] {
                 let mut bytes = whole.clone();
                 bytes[place] = damage;
-                let _ = read_v73(bytes, Path::new(FILE), RequestedColumn::All);
+                let _ = read_v73(bytes, Path::new(FILE), RequestedColumns::All);
             }
         }
     }

@@ -7,17 +7,17 @@ use flate2::read::ZlibDecoder;
 
 use super::super::budget::{Budget, DecompressError};
 use super::super::error::RecordingError;
-use super::super::table::{Column, RequestedColumn};
+use super::super::table::{Column, RequestedColumns};
 use super::elements::{ByteOrder, COMPRESSED, Element, MATRIX, elements};
 use super::shape::samples_and_channels;
 
 /// Length of the header, after which the variables follow.
 const HEADER: usize = 128;
-/// Structures within structures.
+/// Deepest nesting of structures.
 const DEEPEST_STRUCTURE: usize = 8;
 
-/// The variables of a file. Those not wanted are there by name, without values.
-pub(super) fn read(bytes: &[u8], path: &Path, wanted: RequestedColumn<'_>) -> Result<Vec<Column>, RecordingError> {
+/// The variables of a file. Variables that are not requested have a name and no values.
+pub(super) fn read(bytes: &[u8], path: &Path, wanted: RequestedColumns<'_>) -> Result<Vec<Column>, RecordingError> {
     let order = byte_order(bytes, path)?;
     let damaged = |offset: usize| cut_or_damaged(path, HEADER + offset);
     let budget = Budget::of(path, bytes.len() as u64);
@@ -45,16 +45,16 @@ fn cut_or_damaged(path: &Path, offset: usize) -> RecordingError {
 struct Reader<'a> {
     path: &'a Path,
     order: ByteOrder,
-    wanted: RequestedColumn<'a>,
+    wanted: RequestedColumns<'a>,
     budget: Budget,
     columns: Vec<Column>,
 }
 
-/// What is wrong with a variable: none says that its elements do not fit.
+/// What is wrong with a variable; none means that its elements do not fit.
 type Problem = Option<RecordingError>;
 
 impl Reader<'_> {
-    /// The inside of an element that is a variable, compressed or not.
+    /// The content of an element that is a variable, compressed or not.
     fn decompressed<'b>(&self, element: &Element<'b>) -> Result<Cow<'b, [u8]>, RecordingError> {
         let damaged = || cut_or_damaged(self.path, HEADER + element.offset);
         match element.kind {
@@ -76,7 +76,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Adds a variable from its inside, or a field of a structure by the name that the structure gives it.
+    /// Adds a variable from its content, or a field of a structure by its name in the structure.
     fn add(&mut self, field: Option<String>, inside: &[u8], depth: usize) -> Result<(), Problem> {
         if field.is_some() && inside.is_empty() {
             return Ok(());
@@ -136,7 +136,7 @@ impl Reader<'_> {
 
 const STRUCTURE: u8 = 2;
 
-/// A variable: flags, size and name, then its numbers or whatever else it holds.
+/// A variable: flags, size and name, then its numbers or other content.
 struct Matrix<'a> {
     class: u8,
     complex: bool,
@@ -155,7 +155,7 @@ impl<'a> Matrix<'a> {
         Some(Self { class, complex: kinds & 0x08 != 0, shape, name: text(name.data), data: rest.first() })
     }
 
-    /// What the variable is, if it is not an array of real numbers.
+    /// The kind of the variable, if it is not an array of real numbers.
     fn kind_not_read(&self) -> Option<&'static str> {
         match self.class {
             1 => Some("a cell array"),

@@ -1,5 +1,5 @@
-//! Variables of MAT files of version 7.3: HDF5 files in which MATLAB names the class of each data set, and whose sides are
-//! in the opposite order, so that a matrix of n samples of 7 channels is a data set of 7 x n, channel by channel.
+//! Variables of MAT files of version 7.3: HDF5 files in which MATLAB stores the class of each data set, with dimensions in reverse order,
+//! so that a matrix of n samples of 7 channels is a data set of 7 x n, channel by channel.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -9,16 +9,16 @@ use hdf5_pure::{AttrValue, DType, Dataset, File, Group};
 use super::super::budget::Budget;
 use super::super::error::RecordingError;
 use super::super::panic_guard::panics_as_damage;
-use super::super::table::{Column, RequestedColumn};
+use super::super::table::{Column, RequestedColumns};
 use super::shape::samples_and_channels;
 
-/// Structures within structures.
+/// Deepest nesting of structures.
 const DEEPEST_STRUCTURE: usize = 8;
-/// Variables and structures of one file. Groups may contain themselves, so that the depth alone does not end a walk.
+/// Most variables and structures of one file. Groups may contain themselves, so that a limit of depth alone does not end a walk.
 const MOST_OBJECTS: usize = 4096;
 
-/// The variables of a file. Those not wanted are there by name, without values.
-pub(super) fn read(bytes: Vec<u8>, path: &Path, wanted: RequestedColumn<'_>) -> Result<Vec<Column>, RecordingError> {
+/// The variables of a file. Variables that are not requested have a name and no values.
+pub(super) fn read(bytes: Vec<u8>, path: &Path, wanted: RequestedColumns<'_>) -> Result<Vec<Column>, RecordingError> {
     panics_as_damage(path, "HDF5", || {
         let budget = Budget::of(path, bytes.len() as u64);
         let mut reader = Reader { path, wanted, budget, objects: 0, columns: Vec::new() };
@@ -35,7 +35,7 @@ pub(super) fn read(bytes: Vec<u8>, path: &Path, wanted: RequestedColumn<'_>) -> 
 
 struct Reader<'a> {
     path: &'a Path,
-    wanted: RequestedColumn<'a>,
+    wanted: RequestedColumns<'a>,
     budget: Budget,
     objects: usize,
     columns: Vec<Column>,
@@ -46,7 +46,7 @@ impl Reader<'_> {
         RecordingError::damaged(self.path, format!("HDF5 {what}: {error}"))
     }
 
-    /// Adds the variables of a group: of the file, or the fields of a structure. MATLAB's own begin with `#`.
+    /// Adds the variables of a group: of the file, or the fields of a structure. MATLAB's internal groups begin with `#`.
     fn add_group(&mut self, prefix: &str, group: &Group, depth: usize) -> Result<(), RecordingError> {
         for name in group.datasets().map_err(|e| self.damaged("group", &e))? {
             if !name.starts_with('#') {
@@ -66,7 +66,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// A group is a structure, or else a sparse matrix.
+    /// A group is a structure, or otherwise a sparse matrix.
     fn add_inner(&mut self, name: String, group: &Group, depth: usize) -> Result<(), RecordingError> {
         let attributes = group.attrs().map_err(|e| self.damaged(&name, &e))?;
         if attributes.contains_key("MATLAB_sparse") {
@@ -117,7 +117,7 @@ impl Reader<'_> {
         Ok(sides.into_iter().rev().map(|side| usize::try_from(side).unwrap_or(usize::MAX)).collect())
     }
 
-    /// Checks that one piece of a data set, which is decompressed as a whole, is not larger than all may be.
+    /// Checks the size of a chunk of a data set, which is decompressed as a whole, against the limit.
     fn check_chunks(&self, name: &str, set: &Dataset) -> Result<(), RecordingError> {
         let chunk = set.chunk_shape().map_err(|e| self.damaged(name, &e))?.unwrap_or_default();
         let values = chunk.iter().try_fold(1_u64, |product, &side| product.checked_mul(side));
@@ -128,7 +128,7 @@ impl Reader<'_> {
     }
 }
 
-/// What a data set is, if it is not an array of real numbers of MATLAB.
+/// The kind of a data set, if it is not an array of real numbers.
 fn kind_not_read(attributes: &HashMap<String, AttrValue>, kind: &DType) -> Option<String> {
     let Some(class) = attributes.get("MATLAB_class").and_then(AttrValue::as_str) else {
         return Some("a data set without the class that MATLAB gives to its variables".to_owned());

@@ -1,8 +1,7 @@
 //! Checks between the library and the bytes of a file.
 //!
-//! The library reserves memory for what a page or a dictionary is said to hold before it reads it. Here these sizes are
-//! checked first: sizes in the file in [`description`], of a page where the library reads its header, of a dictionary where it
-//! asks for its page.
+//! The library reserves memory for the stated size of a page or a dictionary before it reads it. These sizes are checked here first: sizes
+//! in the file in [`description`], of a page where the library reads its header, of a dictionary where it requests its page.
 
 use std::io::{self, Read, Seek, SeekFrom};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -19,16 +18,16 @@ use super::records::{FILE, PAGE, PAGE_HEADER, SCHEMA_ELEMENT};
 use super::thrift::Thrift;
 use thetahat_ground::files::File;
 
-/// What a file begins and ends with.
+/// The first and last bytes of a file.
 const MAGIC: &[u8] = b"PAR1";
-/// Columns and groups of columns of one file.
+/// Most columns and groups of columns of one file.
 const MOST_COLUMNS: usize = 1 << 14;
-/// Groups within groups.
+/// Deepest nesting of groups.
 const DEEPEST_GROUP: usize = 32;
-/// Bytes in which the header of a page is looked for; for columns of numbers it has less than a hundred.
+/// Number of bytes in which the header of a page is searched; for columns of numbers it has less than a hundred.
 const HEADER_SIZES: [u64; 2] = [1 << 10, 1 << 20];
 
-/// The description at the end of a file, with its counts of columns and how deep they are nested checked.
+/// The description at the end of a file, with its number of columns and its depth checked.
 pub(super) fn description(source: &Source) -> Result<Bytes> {
     let ending = source.length().checked_sub(8).ok_or_else(|| wrong("it is too short for a Parquet file"))?;
     let last = source.bytes(ending, 8)?;
@@ -44,7 +43,7 @@ pub(super) fn description(source: &Source) -> Result<Bytes> {
 
 fn check_description(bytes: &[u8]) -> Option<()> {
     let (mut children, mut own) = (Vec::new(), 0_usize);
-    let mut tell = |record, field, value| {
+    let mut visit = |record, field, value| {
         match (record, field) {
             (SCHEMA_ELEMENT, 5) => own = usize::try_from(value).ok()?,
             (SCHEMA_ELEMENT, 0) => children.push(std::mem::take(&mut own)),
@@ -52,11 +51,11 @@ fn check_description(bytes: &[u8]) -> Option<()> {
         }
         (children.len() <= MOST_COLUMNS).then_some(())
     };
-    let walked = Thrift::new(bytes).record(&FILE, &mut tell);
+    let walked = Thrift::new(bytes).record(&FILE, &mut visit);
     walked.filter(|()| is_tree(&children))
 }
 
-/// Whether elements in the order of a walk, each with its number of children, are one tree that is not too deep.
+/// Whether elements in the order of a walk, each with its number of children, are one tree of limited depth.
 fn is_tree(children: &[usize]) -> bool {
     let mut open: Vec<usize> = vec![1];
     for &own in children {
@@ -73,11 +72,11 @@ fn is_tree(children: &[usize]) -> bool {
     open.is_empty()
 }
 
-/// Where the bytes of a file are.
+/// The source of a file's bytes.
 #[derive(Clone)]
 pub(super) enum Source {
     Memory(Bytes),
-    /// On the disk, with its length.
+    /// On disk, with its length.
     File(Arc<Mutex<File>>, u64),
 }
 
@@ -89,10 +88,10 @@ impl Source {
         }
     }
 
-    /// Bytes, all of which must be there before memory is reserved for them.
+    /// Bytes, which must all exist before memory is reserved for them.
     fn bytes(&self, start: u64, length: usize) -> Result<Bytes> {
         let end = start.checked_add(length as u64).filter(|end| *end <= self.length());
-        let end = end.ok_or_else(|| wrong("a page ends behind the end of the file"))?;
+        let end = end.ok_or_else(|| wrong("a page ends after the end of the file"))?;
         match self {
             Self::Memory(bytes) => Ok(bytes.slice(start as usize..end as usize)),
             Self::File(file, _) => {
@@ -109,16 +108,15 @@ impl Source {
 #[derive(Clone)]
 pub(super) struct Guarded {
     pub(super) source: Source,
-    /// Most bytes that a page may hold when it is decompressed.
+    /// Most decompressed bytes of a page.
     pub(super) limit: usize,
 }
 
 impl Guarded {
-    /// Bytes that begin with the header of a page, and hold it whole. Its fields are checked, and its size when it is
-    /// decompressed.
+    /// Bytes that begin with the whole header of a page. Its fields and its decompressed size are checked.
     fn header(&self, start: u64) -> Result<Bytes> {
         let left = self.source.length().checked_sub(start);
-        let left = left.ok_or_else(|| wrong("a page begins behind the end of the file"))?;
+        let left = left.ok_or_else(|| wrong("a page begins after the end of the file"))?;
         for size in HEADER_SIZES {
             let bytes = self.source.bytes(start, size.min(left) as usize)?;
             if self.check_page(&bytes).is_some() {
@@ -130,11 +128,11 @@ impl Guarded {
 
     fn check_page(&self, header: &[u8]) -> Option<()> {
         let limit = i64::try_from(self.limit).unwrap_or(i64::MAX);
-        let mut tell = |record, field, value| match (record, field) {
+        let mut visit = |record, field, value| match (record, field) {
             (PAGE_HEADER, 2) => (0..=limit).contains(&value).then_some(()),
             _ => Some(()),
         };
-        Thrift::new(header).record(&PAGE, &mut tell)
+        Thrift::new(header).record(&PAGE, &mut visit)
     }
 }
 
@@ -159,7 +157,7 @@ impl ChunkReader for Guarded {
     }
 }
 
-/// The header of a page, which is looked at when it is read: the library also asks where it then reads nothing.
+/// The header of a page, checked when it is read: the library also requests it where it then reads nothing.
 pub(super) struct Header {
     guarded: Guarded,
     start: u64,
@@ -176,10 +174,10 @@ impl Read for Header {
     }
 }
 
-/// The pages of a column, of which dictionaries are not larger than the column, and come before they are used.
+/// The pages of a column: a dictionary must not be larger than the column, and must come before it is used.
 pub(super) struct Pages {
     pub(super) pages: SerializedPageReader<Guarded>,
-    /// Most values that a dictionary may hold.
+    /// Most values of a dictionary.
     pub(super) limit: usize,
     pub(super) has_dictionary: bool,
 }

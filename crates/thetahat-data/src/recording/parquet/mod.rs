@@ -2,10 +2,10 @@
 //!
 //! | file | what it does |
 //! | --- | --- |
-//! | `thrift`, `records` | walk over the records that describe a file, to check them before the library believes them |
+//! | `thrift`, `records` | walk over the records that describe a file, to check them before the library uses them |
 //! | `guard` | checks between the library and the file: sizes of pages and dictionaries |
-//! | `read` | what a file describes, and any rows of its columns |
-//! | `numbers` | values to numbers |
+//! | `read` | the description of a file, and any rows of its columns |
+//! | `numbers` | converts values to numbers |
 //! | `pieces` | a file that is read in pieces |
 
 mod guard;

@@ -1,4 +1,4 @@
-//! The numbers of a column, whatever their type in the file.
+//! The numbers of a column of any type.
 
 use std::ops::Range;
 
@@ -8,22 +8,22 @@ use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
 use parquet::schema::types::ColumnDescriptor;
 
-/// The values of a column while its groups of rows are read.
+/// The values of a column while its row groups are read.
 pub(super) struct Values {
     number: Number,
-    /// The definition level of a value that is present; lower ones are missing.
+    /// The definition level of a present value; values of lower levels are missing.
     present: i16,
     pub(super) values: Vec<f64>,
 }
 
 impl Values {
-    /// For a column whose stamps count from `first`, or else from the first that is read.
+    /// For a column whose stamps count from `first`, or otherwise from the first stamp read.
     pub(super) fn of(column: &ColumnDescriptor, first: Option<i64>) -> Self {
         let number = Number { first, ..Number::of(column) };
         Self { number, present: column.max_def_level(), values: Vec::new() }
     }
 
-    /// Adds rows of a group, counted in it; pages before them are passed over.
+    /// Adds rows of a group, counted within it; pages before them are skipped.
     pub(super) fn add<T: DataType>(
         &mut self,
         mut reader: ColumnReaderImpl<T>,
@@ -47,16 +47,16 @@ impl Values {
 }
 
 impl Values {
-    /// The first stamp that was read, from which the others count.
+    /// The first stamp read, from which the others count.
     pub(super) fn first_stamp(&self) -> Option<i64> {
         self.number.first
     }
 }
 
-/// How whole numbers are meant.
+/// The meaning of integers.
 pub(super) struct Number {
     unsigned: bool,
-    /// Stamps count from a date long ago, and the first is subtracted, before double precision would round them.
+    /// Stamps count from a distant date; the first is subtracted before double precision would round them.
     pub(super) stamps: bool,
     first: Option<i64>,
 }

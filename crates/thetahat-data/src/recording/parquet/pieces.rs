@@ -1,4 +1,4 @@
-//! A Parquet file of which any rows can be read: only the groups and pages that hold them.
+//! A Parquet file of which any rows can be read: only the groups and pages that contain them.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -10,33 +10,33 @@ use bytes::Bytes;
 use super::super::error::RecordingError;
 use super::super::panic_guard::panics_as_damage;
 use super::super::place::{file_length, open};
-use super::super::table::{RequestedColumn, Table};
+use super::super::table::{RequestedColumns, Table};
 use super::guard::Source;
 use super::read::Described;
 
-/// Rows of a group in which pieces are looked for. A page may be as large as its group.
+/// Most rows of a group that is read in pieces. A page may be as large as its group.
 const MOST_ROWS: usize = 1 << 22;
 
 /// The description of a file, which is opened for each piece.
 pub(in super::super) struct GroupPieces {
     path: PathBuf,
     described: Described,
-    /// From where the stamps of columns count.
+    /// The origins of the stamps of columns.
     first_stamps: BTreeMap<usize, i64>,
 }
 
 impl GroupPieces {
-    /// Looks through the description; none where a group is too large, or begins without a stamp: the reader of whole files
-    /// says what is wrong.
-    pub(in super::super) fn open(path: &Path, wanted: RequestedColumn<'_>) -> Result<Option<Self>, RecordingError> {
+    /// Reads the description; none if a group is too large, or begins without a stamp: the reader of whole files then reports what is
+    /// wrong.
+    pub(in super::super) fn open(path: &Path, wanted: RequestedColumns<'_>) -> Result<Option<Self>, RecordingError> {
         Self::of_source(path, &source(path)?, wanted)
     }
 
-    /// The same of bytes anywhere.
+    /// [`Self::open`] for bytes from any source.
     pub(super) fn of_source(
         path: &Path,
         source: &Source,
-        wanted: RequestedColumn<'_>,
+        wanted: RequestedColumns<'_>,
     ) -> Result<Option<Self>, RecordingError> {
         panics_as_damage(path, "Parquet", || {
             let described = Described::new(path, source)?;
@@ -57,25 +57,25 @@ impl GroupPieces {
     pub(in super::super) fn read(
         &self,
         rows: Range<usize>,
-        wanted: RequestedColumn<'_>,
+        wanted: RequestedColumns<'_>,
     ) -> Result<Table, RecordingError> {
         self.read_source(&source(&self.path)?, rows, wanted)
     }
 
-    /// The same from bytes anywhere.
+    /// [`Self::read`] for bytes from any source.
     pub(super) fn read_source(
         &self,
         source: &Source,
         rows: Range<usize>,
-        wanted: RequestedColumn<'_>,
+        wanted: RequestedColumns<'_>,
     ) -> Result<Table, RecordingError> {
         let first = |index: usize| self.first_stamps.get(&index).copied();
         panics_as_damage(&self.path, "Parquet", || self.described.table(&self.path, source, rows, wanted, first))
     }
 }
 
-/// The first stamp of each column of stamps; none where one is missing.
-fn first_stamps(described: &Described, source: &Source, wanted: RequestedColumn<'_>) -> Option<BTreeMap<usize, i64>> {
+/// The first stamp of each column of stamps; none if one is missing.
+fn first_stamps(described: &Described, source: &Source, wanted: RequestedColumns<'_>) -> Option<BTreeMap<usize, i64>> {
     let is_stamps = |&index: &usize| described.is_read(index, wanted) && described.is_stamps(index);
     let first = |index| {
         let values = described.values(index, source, 0..1, None).ok()?;
@@ -91,7 +91,7 @@ fn source(path: &Path) -> Result<Source, RecordingError> {
 /// Reads the second half of a file in memory.
 pub(in super::super) fn fuzz_pieces(bytes: &[u8]) {
     let source = Source::Memory(Bytes::copy_from_slice(bytes));
-    if let Ok(Some(pieces)) = GroupPieces::of_source(Path::new("fuzz.parquet"), &source, RequestedColumn::All) {
-        let _ = pieces.read_source(&source, pieces.samples() / 2..pieces.samples(), RequestedColumn::All);
+    if let Ok(Some(pieces)) = GroupPieces::of_source(Path::new("fuzz.parquet"), &source, RequestedColumns::All) {
+        let _ = pieces.read_source(&source, pieces.samples() / 2..pieces.samples(), RequestedColumns::All);
     }
 }

@@ -15,15 +15,15 @@ use parquet::schema::types::ColumnDescriptor;
 use super::super::budget::Budget;
 use super::super::error::RecordingError;
 use super::super::panic_guard::panics_as_damage;
-use super::super::table::{Column, RequestedColumn, Table};
+use super::super::table::{Column, RequestedColumns, Table};
 use super::guard::{Guarded, Pages, Source, description};
 use super::numbers::{Number, Values};
 
-/// The columns of a file; missing values are NaN. Those not wanted are there by name, without values.
+/// The columns of a file; missing values are NaN. Columns that are not requested have a name and no values.
 pub(in super::super) fn read(
     bytes: Vec<u8>,
     path: &Path,
-    wanted: RequestedColumn<'_>,
+    wanted: RequestedColumns<'_>,
 ) -> Result<Table, RecordingError> {
     panics_as_damage(path, "Parquet", || {
         let source = Source::Memory(Bytes::from(bytes));
@@ -33,12 +33,12 @@ pub(in super::super) fn read(
     })
 }
 
-/// The content of a file as its metadata describe it.
+/// The content of a file as its metadata describes it.
 pub(super) struct Described {
     metadata: ParquetMetaData,
     /// Rows of each group.
     rows: Vec<usize>,
-    /// Rows of all.
+    /// Number of rows of all groups.
     pub(super) samples: usize,
 }
 
@@ -58,12 +58,12 @@ impl Described {
         self.rows.iter().copied().max().unwrap_or_default()
     }
 
-    /// Refuses more values than a file of so many bytes may hold.
+    /// Refuses more values than a file of this size may contain.
     pub(super) fn require_room(
         &self,
         path: &Path,
         bytes: u64,
-        wanted: RequestedColumn<'_>,
+        wanted: RequestedColumns<'_>,
     ) -> Result<(), RecordingError> {
         let mut budget = Budget::of(path, bytes);
         for index in self.indices().filter(|&index| self.is_read(index, wanted)) {
@@ -72,13 +72,13 @@ impl Described {
         Ok(())
     }
 
-    /// These rows of all columns. `first` says from where the stamps of a column count, which is else the first that is read.
+    /// These rows of all columns. `first` is the origin of a column's stamps; by default the first stamp read.
     pub(super) fn table(
         &self,
         path: &Path,
         source: &Source,
         rows: Range<usize>,
-        wanted: RequestedColumn<'_>,
+        wanted: RequestedColumns<'_>,
         first: impl Fn(usize) -> Option<i64>,
     ) -> Result<Table, RecordingError> {
         let column = |index: usize| {
@@ -111,7 +111,7 @@ impl Described {
         for (group, &of_group) in self.rows.iter().enumerate() {
             let range = rows.start.max(start)..rows.end.min(start + of_group);
             if !range.is_empty() {
-                self.add_group((index, group), source, range.start - start..range.end - start, &mut values)?;
+                self.add_group(index, group, source, range.start - start..range.end - start, &mut values)?;
             }
             start += of_group;
         }
@@ -126,17 +126,17 @@ impl Described {
         self.metadata.file_metadata().schema_descr().column(index).path().parts().join(".")
     }
 
-    /// Whether a column is wanted and one of numbers.
-    pub(super) fn is_read(&self, index: usize, wanted: RequestedColumn<'_>) -> bool {
+    /// Whether a column is requested and contains numbers.
+    pub(super) fn is_read(&self, index: usize, wanted: RequestedColumns<'_>) -> bool {
         wanted.includes(&self.name(index)) && self.kind_not_read(index).is_none()
     }
 
-    /// Whether a column is one of stamps.
+    /// Whether a column contains stamps.
     pub(super) fn is_stamps(&self, index: usize) -> bool {
         Number::of(&self.metadata.file_metadata().schema_descr().column(index)).stamps
     }
 
-    /// What a column is, if it is not one of numbers that can be read.
+    /// The kind of a column, if it does not contain numbers that can be read.
     fn kind_not_read(&self, index: usize) -> Option<String> {
         if let Some(kind) = kind_not_read(&self.metadata.file_metadata().schema_descr().column(index)) {
             return Some(kind.to_owned());
@@ -145,7 +145,7 @@ impl Described {
         Some(format!("a column compressed by {}", compression.split('(').next().unwrap_or_default()))
     }
 
-    /// A compression that is not read. The library decompresses some of them without a bound.
+    /// A compression that is not supported. The library decompresses some of them without a bound.
     fn compression_not_read(&self, index: usize) -> Option<Compression> {
         let compressions = self.metadata.row_groups().iter().map(|group| group.column(index).compression());
         let is_read =
@@ -153,10 +153,11 @@ impl Described {
         compressions.into_iter().find(|compression| !is_read(compression))
     }
 
-    /// Adds rows of a group, counted in it; pages before them are passed over.
+    /// Adds rows of a group, counted within it; pages before them are skipped.
     fn add_group(
         &self,
-        (index, group): (usize, usize),
+        index: usize,
+        group: usize,
         source: &Source,
         rows: Range<usize>,
         values: &mut Values,
@@ -189,7 +190,7 @@ fn damaged(path: &Path, what: &str, error: &ParquetError) -> RecordingError {
     RecordingError::damaged(path, format!("{what}: {error}"))
 }
 
-/// What a column is, if it is not one of numbers.
+/// The kind of a column, if it does not contain numbers.
 fn kind_not_read(column: &ColumnDescriptor) -> Option<&'static str> {
     if column.max_rep_level() > 0 {
         return Some("a column of lists");

@@ -7,7 +7,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 
-use super::super::table::{RequestedColumn, Table};
+use super::super::table::{RequestedColumns, Table};
 use super::super::{Format, RecordingError, select};
 use super::*;
 use thetahat_testing::Folder;
@@ -116,7 +116,7 @@ fn zeros(groups: usize, of_group: usize) -> Vec<u8> {
 }
 
 fn loaded(bytes: &[u8]) -> Result<Table, RecordingError> {
-    read(bytes.to_vec(), Path::new(FILE), RequestedColumn::All)
+    read(bytes.to_vec(), Path::new(FILE), RequestedColumns::All)
 }
 
 fn failure(column: &str) -> RecordingError {
@@ -155,7 +155,7 @@ fn columns_that_are_not_numbers_say_what_they_are() {
 #[test]
 fn columns_that_are_not_wanted_are_not_read() {
     let asked = ["q".to_owned()];
-    let table = read(written(Compression::SNAPPY), Path::new(FILE), RequestedColumn::Named(&asked)).unwrap();
+    let table = read(written(Compression::SNAPPY), Path::new(FILE), RequestedColumns::Named(&asked)).unwrap();
     assert_eq!((table.columns[1].channels, table.columns[2].channels), (1, 0));
 }
 
@@ -188,12 +188,12 @@ fn parts_are_those_of_the_whole_bit_by_bit() {
             let bytes = rows(ROWS, of_group, compression);
             let whole = loaded(&bytes).unwrap();
             let folder = Folder::with(FILE, &bytes);
-            let pieces = GroupPieces::open(&folder.path().join(FILE), RequestedColumn::All).unwrap().unwrap();
+            let pieces = GroupPieces::open(&folder.path().join(FILE), RequestedColumns::All).unwrap().unwrap();
             assert_eq!(pieces.samples(), ROWS);
             for size in [1, 49, 50, 333, 1199, ROWS].into_iter().filter(|size| *size > 1 || of_group == 100) {
                 for start in (0..ROWS).step_by(size) {
                     let range = start..(start + size).min(ROWS);
-                    let table = pieces.read(range.clone(), RequestedColumn::All).unwrap();
+                    let table = pieces.read(range.clone(), RequestedColumns::All).unwrap();
                     for (piece, whole) in table.columns.iter().zip(&whole.columns) {
                         let expected = whole.values.get(range.clone()).unwrap_or_default();
                         assert_eq!(bits(&piece.values), bits(expected), "{of_group} {range:?} {}", piece.name);
@@ -209,8 +209,8 @@ fn parts_are_those_of_the_whole_bit_by_bit() {
 fn parts_of_columns_that_are_not_wanted_are_not_read() {
     let folder = Folder::with(FILE, rows(300, 100, Compression::SNAPPY));
     let asked = ["q".to_owned()];
-    let pieces = GroupPieces::open(&folder.path().join(FILE), RequestedColumn::Named(&asked)).unwrap().unwrap();
-    let table = pieces.read(150..250, RequestedColumn::Named(&asked)).unwrap();
+    let pieces = GroupPieces::open(&folder.path().join(FILE), RequestedColumns::Named(&asked)).unwrap().unwrap();
+    let table = pieces.read(150..250, RequestedColumns::Named(&asked)).unwrap();
     let read: Vec<usize> = table.columns.iter().map(|column| column.values.len()).collect();
     assert_eq!(read, [0, 100, 0, 0, 0, 0]);
 }
@@ -219,7 +219,7 @@ fn parts_of_columns_that_are_not_wanted_are_not_read() {
 fn large_groups_are_left_to_the_reader_of_whole_files() {
     let opened = |bytes: &[u8]| {
         let folder = Folder::with(FILE, bytes);
-        GroupPieces::open(&folder.path().join(FILE), RequestedColumn::All)
+        GroupPieces::open(&folder.path().join(FILE), RequestedColumns::All)
     };
     assert!(opened(&zeros(1, 1 << 22)).unwrap().is_some());
     assert!(opened(&zeros(1, (1 << 22) + 1)).unwrap().is_none());
@@ -237,8 +237,8 @@ fn parts_of_a_damaged_file_never_panic() {
     let path = folder.path().join(FILE);
     let read = |bytes: &[u8]| {
         std::fs::write(&path, bytes).unwrap();
-        GroupPieces::open(&path, RequestedColumn::All)?
-            .map(|pieces| pieces.read(70..90, RequestedColumn::All))
+        GroupPieces::open(&path, RequestedColumns::All)?
+            .map(|pieces| pieces.read(70..90, RequestedColumns::All))
             .transpose()
     };
     assert!(read(&whole).unwrap().is_some());
@@ -262,7 +262,7 @@ fn a_file_that_changes_while_it_is_read() {
     let whole = rows(120, 40, Compression::SNAPPY);
     let folder = Folder::with(FILE, &whole);
     let path = folder.path().join(FILE);
-    let pieces = GroupPieces::open(&path, RequestedColumn::All).unwrap().unwrap();
+    let pieces = GroupPieces::open(&path, RequestedColumns::All).unwrap().unwrap();
     std::fs::write(&path, &whole[..whole.len() / 3]).unwrap();
-    assert!(matches!(pieces.read(70..120, RequestedColumn::All), Err(RecordingError::Damaged { .. })));
+    assert!(matches!(pieces.read(70..120, RequestedColumns::All), Err(RecordingError::Damaged { .. })));
 }

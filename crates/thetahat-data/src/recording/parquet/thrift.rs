@@ -1,11 +1,10 @@
 //! Records of the compact protocol of Apache Thrift, which describe a Parquet file and each of its pages.
 //!
-//! The library reserves memory by the counts in these records, follows nested groups by calling itself, and does not ask
-//! whether a field is of the type that it expects. So each record is compared here first with the [`Record`] that it
-//! should be; the records of Parquet are in `records`.
+//! The library reserves memory by the counts in these records, follows nested groups recursively, and does not check whether a field has
+//! the expected type. Therefore each record is first compared with the expected [`Record`]; the records of Parquet are in `records`.
 //! Source: thrift-compact-protocol.md of Apache Thrift.
 
-/// Records within records where their fields are not known.
+/// Deepest nesting of records with unknown fields.
 const DEEPEST: usize = 16;
 
 /// The type of a field.
@@ -27,11 +26,11 @@ pub(super) struct Record {
     pub(super) fields: &'static [(i64, Kind)],
 }
 
-/// Is told the name of a record, the number of a field and its value if it is a whole number; at the end of the record
-/// zero and zero. None ends the walk.
-pub(super) type Tell<'t> = &'t mut dyn FnMut(&'static str, i64, i64) -> Option<()>;
+/// Receives the name of a record, the number of a field and its value if it is an integer; at the end of the record zero and zero. None
+/// ends the walk.
+pub(super) type Visit<'t> = &'t mut dyn FnMut(&'static str, i64, i64) -> Option<()>;
 
-/// Where records are read, byte by byte. Each step is none where the bytes end or are not of their kind.
+/// Reads records byte by byte. Each step returns none if the bytes end or are not of the expected kind.
 pub(super) struct Thrift<'a> {
     rest: &'a [u8],
 }
@@ -41,8 +40,8 @@ impl<'a> Thrift<'a> {
         Self { rest: bytes }
     }
 
-    /// Walks over a record of a kind. Fields that it does not know are passed over.
-    pub(super) fn record(&mut self, record: &'static Record, tell: Tell<'_>) -> Option<()> {
+    /// Walks over a record of a kind. Unknown fields are skipped.
+    pub(super) fn record(&mut self, record: &'static Record, visit: Visit<'_>) -> Option<()> {
         let mut number = 0_i64;
         while let Some((next, code)) = self.field(number)? {
             number = next;
@@ -50,12 +49,12 @@ impl<'a> Thrift<'a> {
                 None => self.pass(code, 0)?,
                 Some((_, kind)) if !kind.is_written_as(code) => return None,
                 Some((_, kind)) => {
-                    let value = self.value(kind, false, tell)?;
-                    tell(record.name, number, value)?;
+                    let value = self.value(kind, false, visit)?;
+                    visit(record.name, number, value)?;
                 }
             }
         }
-        tell(record.name, 0, 0)
+        visit(record.name, 0, 0)
     }
 
     /// The number and code of the next field, or none at the end of the record.
@@ -71,8 +70,8 @@ impl<'a> Thrift<'a> {
         Some(Some((number, head & 0x0f)))
     }
 
-    /// A value of a kind, zero if it is not a whole number.
-    fn value(&mut self, kind: &'static Kind, in_list: bool, tell: Tell<'_>) -> Option<i64> {
+    /// A value of a kind; zero if it is not an integer.
+    fn value(&mut self, kind: &'static Kind, in_list: bool, visit: Visit<'_>) -> Option<i64> {
         match kind {
             Kind::Bool if in_list => return None,
             Kind::Bool => {}
@@ -80,21 +79,21 @@ impl<'a> Thrift<'a> {
             Kind::I16 | Kind::I32 | Kind::I64 => return self.integer(),
             Kind::Double => self.skip(8)?,
             Kind::Binary => self.skip_binary()?,
-            Kind::Record(record) => self.record(record, tell)?,
+            Kind::Record(record) => self.record(record, visit)?,
             Kind::List(element) => {
                 let (count, code) = self.list()?;
                 if count > 0 && !element.is_written_as(code) {
                     return None;
                 }
                 for _ in 0..count {
-                    self.value(element, true, tell)?;
+                    self.value(element, true, visit)?;
                 }
             }
         }
         Some(0)
     }
 
-    /// Passes over a value of a field that is not known.
+    /// Skips the value of an unknown field.
     fn pass(&mut self, code: u8, depth: usize) -> Option<()> {
         match code {
             1 | 2 => Some(()),
@@ -116,7 +115,7 @@ impl<'a> Thrift<'a> {
         }
     }
 
-    /// The number of elements of a list, at most the number of bytes behind it, and the code of their type.
+    /// The number of elements of a list, at most the number of remaining bytes, and the code of their type.
     fn list(&mut self) -> Option<(usize, u8)> {
         let head = self.byte()?;
         let count = if head >> 4 == 15 { self.length()? } else { usize::from(head >> 4) };
@@ -156,7 +155,7 @@ impl<'a> Thrift<'a> {
         None
     }
 
-    /// A whole number whose last bit is its sign.
+    /// An integer whose last bit is its sign.
     fn integer(&mut self) -> Option<i64> {
         let number = self.variable()?;
         Some((number >> 1) as i64 ^ -((number & 1) as i64))
@@ -188,11 +187,11 @@ mod tests {
 
     fn walk(bytes: &[u8]) -> Option<Vec<(i64, i64)>> {
         let mut found = Vec::new();
-        let mut tell = |_, field, value| {
+        let mut visit = |_, field, value| {
             found.push((field, value));
             Some(())
         };
-        Thrift::new(bytes).record(&RECORD, &mut tell)?;
+        Thrift::new(bytes).record(&RECORD, &mut visit)?;
         Some(found)
     }
 

@@ -23,7 +23,7 @@ pub(super) static DIDIM: Estimator = Estimator {
 
 /// One step of DIDIM (19): `theta = Z^+ y`, with covariance `s^2 (Z^T Z)^-1`.
 ///
-/// The covariance assumes an exact simulator: the bias that a wrong one brings is not in it.
+/// The covariance assumes an exact simulator: it does not include the bias of a wrong one.
 ///
 /// # Errors
 /// [`EstimationError`] where Z has dependent columns.

@@ -6,18 +6,18 @@ use crate::{
 };
 use thetahat_ground::linear_algebra::Matrix;
 
-/// What an estimator needs beside the regression.
+/// What an estimator needs in addition to the regression.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Needs {
     /// Nothing.
     Measurement,
-    /// Z of the closed loop simulated with its own estimate: it iterates.
+    /// Z of the closed loop simulated with its own estimate: the estimator iterates.
     Instruments,
-    /// What the closed loop simulated with its own estimate answers, and the derivatives J of that: it iterates.
+    /// The response of the closed loop simulated with its own estimate, and the derivatives J of that response: the estimator iterates.
     Sensitivities,
 }
 
-/// Which signal of the closed loop is compared with the record.
+/// Which signal of the closed loop is compared with the recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Response {
     /// Joint torques.
@@ -26,7 +26,7 @@ pub enum Response {
     Position,
 }
 
-/// What the parameters multiply in the prediction.
+/// The matrix that the parameters multiply in the prediction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Design {
     /// X, of the measured motion.
@@ -57,7 +57,7 @@ impl Weighting {
     }
 }
 
-/// What there is to know of an estimator.
+/// The entry of an estimator in the table.
 pub(super) struct Estimator {
     /// Name, lower case with hyphens.
     pub(super) name: &'static str,
@@ -66,7 +66,7 @@ pub(super) struct Estimator {
     pub(super) needs: Needs,
     pub(super) design: Design,
     pub(super) response: Response,
-    /// The weighting that makes it what it is, where it has one.
+    /// The weighting that defines the estimator, if it has one.
     pub(super) weighting: Option<Weighting>,
     pub(super) estimate: fn(&Regression, Option<&Matrix>, Divisor) -> Result<Fit, EstimationError>,
     pub(super) influence: fn(&Regression, Option<&Matrix>) -> Result<Matrix, EstimationError>,

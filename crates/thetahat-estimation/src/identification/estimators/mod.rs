@@ -1,7 +1,7 @@
 //! The estimators, one file each, and the table that names them for files, command line and report.
 //!
-//! An estimator is a value: what it needs, its estimate, and its influence `A` with `theta_hat - theta = A^T e`, from which
-//! every covariance is the same sandwich `A^T cov(e) A`. Adding one takes its own file and an entry of [`ESTIMATORS`].
+//! An estimator is a value: its needs, its estimate, and its influence `A` with `theta_hat - theta = A^T e`, from which every covariance
+//! follows as the sandwich `A^T cov(e) A`. A new estimator takes its own file and an entry of [`ESTIMATORS`].
 
 mod clie;
 mod cloe;
@@ -34,11 +34,11 @@ static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| ESTIMATORS.iter().m
 /// An estimator of the table.
 ///
 /// ```
-/// use thetahat::identification::{Method, Needs};
+/// use thetahat_estimation::identification::{Method, Needs};
 ///
 /// let method: Method = "idim-iv".parse()?;
 /// assert_eq!((method, method.needs()), (Method::IDIM_IV, Needs::Instruments));
-/// # Ok::<(), thetahat::identification::UnknownMethod>(())
+/// # Ok::<(), thetahat_estimation::identification::UnknownMethod>(())
 /// ```
 #[derive(Clone, Copy)]
 pub struct Method(&'static Estimator);
@@ -46,7 +46,7 @@ pub struct Method(&'static Estimator);
 impl Method {
     /// Least squares on the measured motion (8).
     pub const IDIM_LS: Self = Self(&ls::IDIM_LS);
-    /// The same, weighted by the noise of each joint.
+    /// Least squares weighted by the noise of each joint.
     pub const IDIM_WLS: Self = Self(&wls::IDIM_WLS);
     /// Instrumental variables from a simulated motion (10).
     pub const IDIM_IV: Self = Self(&iv::IDIM_IV);
@@ -74,25 +74,25 @@ impl Method {
         self.0.equation
     }
 
-    /// What it needs beside the regression.
+    /// What it needs in addition to the regression.
     #[must_use]
     pub fn needs(self) -> Needs {
         self.0.needs
     }
 
-    /// What the parameters multiply in its prediction.
+    /// The matrix that the parameters multiply in its prediction.
     #[must_use]
     pub fn design(self) -> Design {
         self.0.design
     }
 
-    /// Which signal of the loop its prediction is of.
+    /// The signal of the loop that it predicts.
     #[must_use]
     pub fn response(self) -> Response {
         self.0.response
     }
 
-    /// The weighting that it implies, whatever is asked for.
+    /// The weighting that it implies, whatever the settings.
     #[must_use]
     pub fn weighting(self) -> Option<Weighting> {
         self.0.weighting
@@ -101,7 +101,7 @@ impl Method {
     /// The estimate. `z` is Z with the rows of the regression.
     ///
     /// # Errors
-    /// [`EstimationError`] where the parameters are not identifiable, or Z is needed and not there.
+    /// [`EstimationError`] where the parameters are not identifiable, or Z is needed and missing.
     pub fn estimate(
         self,
         regression: &Regression,
@@ -124,7 +124,7 @@ impl Method {
     }
 }
 
-/// A name that no estimator has.
+/// The name of no known estimator.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("unknown method `{name}`, expected one of {}", NAMES.join(", "))]
 pub struct UnknownMethod {

@@ -8,7 +8,7 @@ fn example() -> (Regression, Matrix) {
     let noise = |k: usize| 0.5 * ((12.9898 * k as f64).sin() * 43758.5453).fract();
     let x = Matrix::from_fn(ROWS, 2, |k, j| clean.at(k, j) + if j == 0 { noise(k) } else { 0.0 });
     let y = (0..ROWS).map(|k| 2.0 * clean.at(k, 0) - 3.0 * clean.at(k, 1)).collect();
-    (Regression::of_one_series(x, y), clean)
+    (Regression::single_series(x, y), clean)
 }
 
 #[test]
@@ -54,12 +54,12 @@ fn iv_is_the_formula_of_the_paper() {
 
 #[test]
 fn whitening_acts_on_all_three_alike() {
-    // Rows of weight zero are as good as absent.
+    // Rows of weight zero count as absent.
     let (regression, z) = example();
     let weights: Vec<f64> = (0..ROWS).map(|k| if k % 2 == 0 { 1.0 } else { 0.0 }).collect();
     let keep: Vec<bool> = (0..ROWS).map(|k| k % 2 == 0).collect();
     let half =
-        Regression::of_one_series(regression.x.select_rows(&keep), regression.y.iter().step_by(2).copied().collect());
+        Regression::single_series(regression.x.select_rows(&keep), regression.y.iter().step_by(2).copied().collect());
     let weighted = idim_iv(&regression.with_weights(Some(weights)), &z, Divisor::default()).unwrap();
     let cut = idim_iv(&half, &z.select_rows(&keep), Divisor::default()).unwrap();
     assert!((weighted.theta[0] - cut.theta[0]).abs() < 1e-12);
@@ -68,14 +68,14 @@ fn whitening_acts_on_all_three_alike() {
 #[test]
 fn torques_of_zero_give_no_estimate() {
     let (regression, _) = example();
-    let still = Regression::of_one_series(regression.x.as_ref().clone(), vec![0.0; ROWS]);
+    let still = Regression::single_series(regression.x.as_ref().clone(), vec![0.0; ROWS]);
     assert_eq!(idim_ls(&still, Divisor::default()), Err(EstimationError::NotFinite));
 }
 
 #[test]
 fn a_dependent_column_is_named() {
     let x = Matrix::from_fn(ROWS, 3, |k, j| if j == 2 { 0.0 } else { (0.1 * (k * (j + 1)) as f64).cos() });
-    let error = idim_ls(&Regression::of_one_series(x, vec![1.0; ROWS]), Divisor::default()).unwrap_err();
+    let error = idim_ls(&Regression::single_series(x, vec![1.0; ROWS]), Divisor::default()).unwrap_err();
     assert_eq!(error, EstimationError::NotIdentifiable { rank: 2, columns: 3, dependent: vec![2] });
 }
 
@@ -113,7 +113,7 @@ fn without_instruments_iv_and_didim_have_no_estimate() {
 }
 
 #[test]
-fn names_are_told_apart_and_come_back() {
+fn names_are_distinct_and_parse_to_their_methods() {
     for method in Method::all() {
         assert_eq!(method.name().parse::<Method>(), Ok(method));
     }

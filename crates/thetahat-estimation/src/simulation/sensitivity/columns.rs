@@ -1,4 +1,4 @@
-//! A matrix of few rows and many columns, eight columns side by side.
+//! A matrix of few rows and many columns, in blocks of eight columns.
 
 use pulp::{Simd, WithSimd};
 
@@ -32,7 +32,7 @@ impl ColumnBlocks {
         self.values.copy_from_slice(&other.values);
     }
 
-    /// Zeros, as many columns with other rows.
+    /// A matrix of zeros with the same number of columns and other rows.
     pub(super) fn with_rows(&self, rows: usize) -> Self {
         Self { rows, values: vec![ZEROS; rows * self.blocks()] }
     }
@@ -77,7 +77,7 @@ impl ColumnBlocks {
         }
     }
 
-    /// Writes the first rows to `to`, row after row, as many columns as there is room for in each.
+    /// Writes the first rows to `to`, row after row, with as many columns as each has room for.
     pub(super) fn write_rows(&self, rows: usize, to: &mut [f64]) {
         for (row, to) in to.chunks_exact_mut((to.len() / rows).max(1)).enumerate() {
             for (block, to) in to.chunks_mut(WIDTH).enumerate() {
@@ -93,7 +93,7 @@ pub(super) fn add_product(to: &mut Wide, factor: f64, x: &Wide) {
     to.iter_mut().zip(x).for_each(|(to, x)| *to += factor * x);
 }
 
-/// `out = start + sum weights terms`, of at most seven terms; from zeros without a start.
+/// `out = start + sum weights terms`, of at most seven terms; without a start, from zeros.
 pub(super) fn combine(
     start: Option<&ColumnBlocks>,
     terms: &[ColumnBlocks],
@@ -138,10 +138,10 @@ impl WithSimd for Combination<'_> {
     }
 }
 
-/// A weight and the rows that it belongs to.
+/// A weight and its rows.
 type Weighted<'a> = (f64, &'a [Wide]);
 
-/// The sum of the first `K` terms, row by row: the number of terms is known to the compiler.
+/// The sum of the first `K` terms, row by row: the number of terms is a constant for the compiler.
 #[inline(always)]
 fn sum<const K: usize>(start: Option<&[Wide]>, terms: &[Weighted<'_>; WIDTH], out: &mut [Wide]) {
     let rows = out.len();
@@ -166,10 +166,10 @@ pub(super) fn solve_columns(factors: &[f64], b: &mut [Wide]) {
         }
     }
     for i in (0..n).rev() {
-        let (before, behind) = b.split_at_mut(i + 1);
+        let (before, after) = b.split_at_mut(i + 1);
         let inverse = factors[i * n + i];
         before[i].iter_mut().for_each(|x| *x *= inverse);
-        for (k, x) in behind.iter().enumerate() {
+        for (k, x) in after.iter().enumerate() {
             add_product(&mut before[i], -factors[(i + 1 + k) * n + i], x);
         }
     }

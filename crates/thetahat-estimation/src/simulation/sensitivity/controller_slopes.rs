@@ -1,4 +1,4 @@
-//! How the drive signals of a controller change with what it is sensitive to, in a given state.
+//! How the drive signals of a controller change, in a given state, with the sensitivity parameters.
 
 use super::{
     columns::ColumnBlocks,
@@ -18,14 +18,14 @@ pub(super) struct ControllerSlopes {
     rates: [Vec<f64>; 3],
 }
 
-/// What acts on the drive signals themselves.
+/// Parameters that act on the drive signals themselves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Tuned {
     PositionGain(Motors),
     VelocityGain(Motors),
     /// The velocity gain of a cascade, which multiplies the position loop too.
     CascadeGain(Motors),
-    /// The gear ratio of what a continuous controller observes.
+    /// The gear ratio in the positions that a continuous controller observes.
     GearRatio,
     /// The delay of a continuous controller's reference.
     Delay,
@@ -35,7 +35,7 @@ enum Tuned {
 struct ByInertia {
     /// The gains per inertia.
     per_inertia: Controller,
-    /// Whether position and velocity gains are among them.
+    /// Whether position and velocity gains also follow from the inertia.
     by_bandwidth: bool,
     /// The derivatives of the inertia, motors by columns.
     slopes: ColumnBlocks,
@@ -69,7 +69,7 @@ impl ControllerSlopes {
         self.tuned.is_empty() && self.by_inertia.is_none()
     }
 
-    /// Writes them at the time and the state last observed; zeros where the limit acts.
+    /// Writes the derivatives at the time and the state last observed; zeros where the limit acts.
     pub(super) fn write(&mut self, system: &mut Loop<'_>, out: &mut ColumnBlocks) {
         out.fill_with_zeros();
         if self.tuned.iter().any(|(_, tuned)| *tuned == Tuned::Delay) {
@@ -88,8 +88,10 @@ impl ControllerSlopes {
                     Tuned::PositionGain(motors) => motors.factor(i) * position,
                     Tuned::VelocityGain(motors) => motors.factor(i) * velocity,
                     Tuned::CascadeGain(motors) => motors.factor(i) * (position + velocity),
-                    Tuned::GearRatio => controller.parts(i, -p, v, 0.0, 0.0).iter().sum(),
-                    Tuned::Delay => -self.rate_of_command(controller, i),
+                    Tuned::GearRatio => controller
+                        .derivative_of_own(i, [error, v, dr, ddr], [-p, v, 0.0, 0.0])
+                        .unwrap_or_else(|| controller.parts(i, -p, v, 0.0, 0.0).iter().sum()),
+                    Tuned::Delay => -self.rate_of_command(controller, i, [error, v, dr, ddr]),
                 };
                 out.add(i, *column, slope);
             }
@@ -102,9 +104,10 @@ impl ControllerSlopes {
     }
 
     /// The derivative in time of a motor's drive signal with its state held.
-    fn rate_of_command(&self, controller: &Controller, i: usize) -> f64 {
+    fn rate_of_command(&self, controller: &Controller, i: usize, state: [f64; 4]) -> f64 {
         let [dr, ddr, dddr] = self.rates.each_ref().map(|rate| rate[i]);
-        controller.parts(i, dr, 0.0, ddr, dddr).iter().sum()
+        let of_own = controller.derivative_of_own(i, state, [dr, 0.0, ddr, dddr]);
+        of_own.unwrap_or_else(|| controller.parts(i, dr, 0.0, ddr, dddr).iter().sum())
     }
 }
 
@@ -123,7 +126,7 @@ impl Tuned {
     }
 }
 
-/// What a position and a velocity take away from the signal of a motor in the state last observed: nothing at its limit.
+/// The negated derivatives of a motor's signal with respect to position and velocity in the state last observed: zero at its limit.
 pub(super) fn gains(Loop { controller, reference, plant, .. }: &Loop<'_>, i: usize) -> [f64; 2] {
     controller.slopes(i, reference.p[i] - plant.p[i], plant.v[i], reference.dp[i], reference.ddp[i])
 }

@@ -3,7 +3,7 @@
 use super::{
     columns::{ColumnBlocks, combine},
     loop_slopes::LoopSlopes,
-    stages::{StageRecord, StageSlopes},
+    stages::{StageDynamics, StageSlopes},
 };
 use crate::simulation::{
     dormand_prince::{A, C},
@@ -15,13 +15,13 @@ use crate::simulation::{
 pub(super) const STAGES: usize = 7;
 
 impl StageSlopes {
-    /// Takes the sensitivities from the `start` of an explicit step to its `end`. The slope where it starts is computed for
-    /// the `first` step of an interval, and is that of the step before for the others.
+    /// Propagates the sensitivities from the `start` of an explicit step to its `end`. The first slope is computed in the `first` step of
+    /// an interval, and reused from the previous step in the others.
     pub(super) fn follow_explicitly(
         &mut self,
         (system, slopes): (&mut Loop<'_>, &mut LoopSlopes),
         step: &AcceptedStep<'_>,
-        stages: &[StageRecord],
+        stages: &[StageDynamics],
         first: bool,
         start: &ColumnBlocks,
         end: &mut ColumnBlocks,
@@ -30,7 +30,7 @@ impl StageSlopes {
         let unknown = usize::from(!first)..STAGES;
         let time = |stage: usize| if stage == 0 { step.start_s } else { step.start_s + C[stage] * step.step };
         for stage in unknown.clone() {
-            self.place((step, &mut system.plant), (stage, time(stage)), A[stage], &stages[stage]);
+            self.place(step, &mut system.plant, stage, time(stage), A[stage], &stages[stage]);
         }
         slopes.evaluate_stages(system, &self.motion, unknown.clone());
         for stage in unknown {

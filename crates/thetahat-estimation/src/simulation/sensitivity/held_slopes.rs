@@ -1,4 +1,4 @@
-//! The derivatives of a sampled controller's drive signals, held as the signals are.
+//! The derivatives of a sampled controller's drive signals, held like the signals.
 
 use std::collections::VecDeque;
 
@@ -12,24 +12,24 @@ use crate::{
     simulation::{running::Running, system::Loop},
 };
 
-/// The derivatives of the signals of a sampled controller, motors by columns: of the one that acts and of those on their way.
+/// The derivatives of the signals of a sampled controller, motors by columns: of the acting signal and of the delayed ones.
 pub(super) struct HeldSlopes {
-    /// `du/dp` of the signal that acts.
+    /// `du/dp` of the acting signal.
     pub(super) acting: ColumnBlocks,
     waiting: VecDeque<ColumnBlocks>,
     /// Samples followed.
     samples: usize,
-    /// The derivatives of the motors' positions at the two samples before, the later one first.
+    /// The derivatives of the motors' positions at the two previous samples, the later one first.
     before: [ColumnBlocks; 2],
     gear_ratio: Vec<usize>,
-    /// The signal that acts, without a recorded one.
+    /// The acting signal, without a recorded one.
     signal: Vec<f64>,
-    /// What the last change of the signal took away from the joint torques.
+    /// The fall of the joint torques at the last change of the signal.
     pub(super) torque_drop: Vec<f64>,
 }
 
 impl HeldSlopes {
-    /// Those of a controller at rest in the initial state, whose sensitivities are `start`.
+    /// The slopes of a controller at rest in the initial state, whose sensitivities are `start`.
     pub(super) fn new(running: &mut Running<'_>, to: &[SensitiveTo], start: &ColumnBlocks) -> Self {
         let Running { system, integrator, .. } = running;
         let n = system.u.len();

@@ -5,7 +5,7 @@ use pulp::{Simd, WithSimd};
 use super::{
     columns::{ColumnBlocks, Wide, ZEROS, add_product, combine, solve_columns},
     loop_slopes::LoopSlopes,
-    stages::{StageRecord, StageSlopes},
+    stages::{StageDynamics, StageSlopes},
 };
 use crate::simulation::{
     rosenbrock_w::{ALPHA, B, COUPLING, GAMMA, Linearisation, STAGES},
@@ -14,14 +14,14 @@ use crate::simulation::{
 };
 
 impl StageSlopes {
-    /// Takes the sensitivities from the `start` of a step of [`crate::simulation::RosenbrockW`] to its `end`. Every column is
-    /// solved with the matrix of the state's own stages, given with what it was made of: the method keeps its order with any
+    /// Propagates the sensitivities from the `start` of a step of [`crate::simulation::RosenbrockW`] to its `end`. Every column is solved
+    /// with the matrix of the state's own stages, given with the linearisation it was made of: the method keeps its order with any
     /// approximation of the Jacobian.
     pub(super) fn follow_implicitly(
         &mut self,
         (system, slopes): (&mut Loop<'_>, &mut LoopSlopes),
         step: &AcceptedStep<'_>,
-        stages: &[StageRecord],
+        stages: &[StageDynamics],
         (linearisation, matrix): (&Linearisation, &[f64]),
         start: &ColumnBlocks,
         end: &mut ColumnBlocks,
@@ -29,7 +29,7 @@ impl StageSlopes {
         let scaled = step.step * GAMMA;
         let time = |stage: usize| step.start_s + ALPHA[stage].iter().sum::<f64>() * step.step;
         for stage in 0..STAGES {
-            self.place((step, &mut system.plant), (stage, time(stage)), &ALPHA[stage], &stages[stage]);
+            self.place(step, &mut system.plant, stage, time(stage), &ALPHA[stage], &stages[stage]);
         }
         slopes.evaluate_stages(system, &self.motion, 0..STAGES);
         for stage in 0..STAGES {

@@ -10,7 +10,7 @@ pub(super) struct LinearTerms {
     pub(super) by_position: Vec<f64>,
     /// B, n by n, row by row.
     pub(super) by_velocity: Vec<f64>,
-    /// What stands without S, n rows.
+    /// The part without S, n rows.
     pub(super) explicit: ColumnBlocks,
 }
 
@@ -26,7 +26,7 @@ impl LinearTerms {
         self.explicit.fill_with_zeros();
     }
 
-    /// The terms themselves, n rows.
+    /// The value of the terms, n rows.
     pub(super) fn evaluate(&self, state: &ColumnBlocks, out: &mut ColumnBlocks) {
         pulp::Arch::new().dispatch(Evaluation { terms: self, state, out });
     }

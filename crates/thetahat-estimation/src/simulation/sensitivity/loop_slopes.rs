@@ -1,4 +1,4 @@
-//! The loop linearised in a state: by the state, exactly, and by what it is sensitive to.
+//! The loop linearised in a state: with respect to the state, exactly, and to the sensitivity parameters.
 
 use std::ops::Range;
 
@@ -9,13 +9,13 @@ use super::{
 use crate::simulation::{closed_loop::Job, running::Running, system::Loop};
 use thetahat_model::dynamics::Jacobian;
 
-/// At least the stages of a step of any method.
+/// Upper bound of the number of stages of a step.
 const MOST_STAGES: usize = 8;
 
 /// The torques of the drives, or `M` times the accelerations, as linear functions of the sensitivities S of the state:
 ///
 /// `d tau/dp = tau_p - K S_q - D S_dq`, and `M d ddq/dp = tau_p - phi_p - (K + d ID/dq) S_q - (D + d ID/d dq) S_dq`, with
-/// `tau_p` what the torques change by in the same state, and K and D what a continuous controller takes away.
+/// `tau_p` the change of the torques in the same state, and K and D the stiffness and damping of a continuous controller.
 pub(super) struct LoopSlopes {
     torques: TorqueSlopes,
     parameters: ParameterColumns,
@@ -51,8 +51,7 @@ impl LoopSlopes {
         self.torques.follow_interval(running, state);
     }
 
-    /// What the change of the drive signals at the start of the interval took away from the joint torques; none of a
-    /// continuous controller.
+    /// The fall of the joint torques at the start of the interval, where the drive signals change; none for a continuous controller.
     pub(super) fn torque_drop(&self) -> Option<&[f64]> {
         self.torques.torque_drop()
     }
@@ -61,7 +60,8 @@ impl LoopSlopes {
     pub(super) fn torques(
         &mut self,
         system: &mut Loop<'_>,
-        (t, x): (f64, &[f64]),
+        t: f64,
+        x: &[f64],
         state: &ColumnBlocks,
         out: &mut ColumnBlocks,
     ) {
@@ -69,7 +69,7 @@ impl LoopSlopes {
         self.terms.evaluate(state, out);
     }
 
-    /// Finds what [`Self::accelerations`] needs of the robot in these stages.
+    /// Computes the robot's part of [`Self::accelerations`] in these stages.
     pub(super) fn evaluate_stages(&mut self, system: &Loop<'_>, motion: &StageMotion, stages: Range<usize>) {
         let (plant, series) = (&system.plant, motion.series());
         self.parameters.evaluate(plant, series, motion.channels());

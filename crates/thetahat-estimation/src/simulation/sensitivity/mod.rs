@@ -1,8 +1,8 @@
-//! Exact sensitivities of the closed loop: its variational equations, integrated beside the states.
+//! Exact sensitivities of the closed loop: its variational equations, integrated with the states.
 //!
 //! [`Sensitivities`] drives a simulation and follows it: `loop_slopes` linearises the loop in a state (`controller_slopes` and
-//! `held_slopes` the controller), `explicit` and `implicit` take the sensitivities through the stages of a step. They stand in
-//! `columns`: rows are the components of the state, columns what the loop is sensitive to, side by side.
+//! `held_slopes` the controller), `explicit` and `implicit` propagate the sensitivities through the stages of a step. They are stored in
+//! `columns`: one row for each component of the state, one column for each parameter.
 
 mod columns;
 mod controller_slopes;

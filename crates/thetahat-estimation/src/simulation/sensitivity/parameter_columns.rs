@@ -3,12 +3,12 @@ use crate::simulation::{closed_loop::ClosedLoop, plant::Plant};
 use thetahat_ground::series::Series;
 use thetahat_model::regressor::Regressor;
 
-/// The columns of the observation matrix for the standard parameters among what a loop is sensitive to.
+/// The columns of the observation matrix for the standard parameters among the sensitivity parameters.
 pub(super) struct ParameterColumns {
     regressor: Regressor,
     /// Row, column and factor of each entry; the factor is that of a biased friction.
     places: Vec<(usize, usize, f64)>,
-    /// The entries of stage after stage.
+    /// The entries of one stage after the other.
     phi: Vec<f64>,
 }
 
@@ -26,7 +26,7 @@ impl ParameterColumns {
         Self { places: places.collect(), phi: Vec::new(), regressor }
     }
 
-    /// Computes the entries at each sample of a motion, along which channels were recorded.
+    /// Computes the entries at each sample of a motion with its recorded channels.
     pub(super) fn evaluate(&mut self, plant: &Plant<'_>, motion: [&Series; 3], channels: Option<&Series>) {
         if channels.is_some() {
             self.regressor.set_channels(channels);
@@ -36,7 +36,7 @@ impl ParameterColumns {
         self.regressor.evaluate_samples(plant.model, motion, 0..stages, plant.sign, &mut self.phi);
     }
 
-    /// Takes `phi_p`, the torques for a unit of each parameter, at a sample away from the columns.
+    /// Subtracts `phi_p`, the torques for a unit of each parameter, at a sample from the columns.
     pub(super) fn subtract(&self, sample: usize, columns: &mut ColumnBlocks) {
         let phi = &self.phi[sample * self.places.len()..];
         for (&(row, column, factor), value) in self.places.iter().zip(phi) {

@@ -17,17 +17,17 @@ impl Motors {
         }
     }
 
-    /// One for a motor among them, else zero.
+    /// One for a motor among them, otherwise zero.
     pub(super) fn factor(self, motor: usize) -> f64 {
         if self.contains(motor) { 1.0 } else { 0.0 }
     }
 }
 
-/// What a simulated loop can be sensitive to.
+/// A parameter with respect to which a simulated loop can be differentiated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SensitiveTo {
     /// The standard parameter at this index of the model's table, in its own unit. An estimated base parameter is the
-    /// standard parameter of the column that it keeps.
+    /// standard parameter of its own column.
     Parameter(usize),
     /// The logarithm of the position gain `kp` of [`Law`](crate::control::Law).
     PositionGain(Motors),
@@ -58,7 +58,7 @@ impl SensitiveTo {
         }
     }
 
-    /// Where it stands in a list.
+    /// Its positions in a list.
     pub(super) fn columns_of(self, to: &[Self]) -> Vec<usize> {
         to.iter().enumerate().filter(|(_, other)| **other == self).map(|(column, _)| column).collect()
     }

@@ -5,7 +5,7 @@ use super::{
     explicit,
     loop_slopes::LoopSlopes,
     sensitive_to::SensitiveTo,
-    stages::{StageRecord, StageSlopes},
+    stages::{StageDynamics, StageSlopes},
 };
 use crate::simulation::{
     closed_loop::{ClosedLoop, Job},
@@ -17,41 +17,41 @@ use crate::simulation::{
     step_control::slope_weights,
 };
 
-/// A simulation under way with its exact sensitivities: the derivatives (14) of torques, and those of positions, by
-/// parameters, gains, gear ratios and delay. The sampling of those of the torques is `Psi` of equation (13), which the
-/// approximation (15) to (17) replaces by the observation matrix.
+/// A simulation in progress with its exact sensitivities: the derivatives (14) of torques and positions with respect to parameters, gains,
+/// gear ratios and delay. The sampled derivatives of the torques are `Psi` of equation (13), which the approximation (15) to (17) replaces
+/// by the observation matrix.
 ///
-/// The variational equations of the loop, the controller included, are integrated beside the states: with
+/// The variational equations of the loop, the controller included, are integrated with the states. With
 /// `S = d (q, dq)/dp`, the inverse dynamics ID and the column `phi_p` of the observation matrix,
 ///
 /// `M d ddq/dp = d tau/dp - phi_p - (d ID/dq) S_q - (d ID/d dq) S_dq`.
 ///
-/// A drive signal at its limit does not vary. Steps are chosen by the error of the state alone: the motion is that of
-/// [`ClosedLoop::simulate`], bit for bit. With the explicit method the sensitivities are the derivatives of the discrete
-/// solution, its steps kept; with the linearly implicit one they converge to those of the solution as the state does.
+/// A drive signal at its limit does not vary. Steps are chosen by the error of the state alone: the motion equals that of
+/// [`ClosedLoop::simulate`] bit for bit. With the explicit method the sensitivities are the derivatives of the discrete solution with its
+/// steps fixed; with the linearly implicit method they converge to the derivatives of the solution as the state does.
 ///
-/// Nothing is kept per sample but the motion.
+/// Only the motion is stored per sample.
 pub struct Sensitivities<'a> {
     running: Running<'a>,
     slopes: LoopSlopes,
-    stages: Vec<StageRecord>,
+    stages: Vec<StageDynamics>,
     stage_slopes: StageSlopes,
     /// The sensitivities of the state where the step starts.
     start: ColumnBlocks,
-    /// Those where it ends.
+    /// The sensitivities where it ends.
     end: ColumnBlocks,
     output: Output,
     /// The columns of a sampled controller's delay.
     delay: Vec<usize>,
     /// Whether the next step is the first of an interval.
     first: bool,
-    /// Whether a step is followed and not yet taken.
+    /// Whether a step is followed and not yet passed on.
     followed: bool,
     /// Samples delivered.
     delivered: usize,
 }
 
-/// Room for one output.
+/// Buffer for one output.
 struct Output {
     x: Vec<f64>,
     state: ColumnBlocks,
@@ -67,7 +67,7 @@ pub struct Sample<'a> {
     pub q: &'a [f64],
     /// Joint torques that the drives apply, N m or N.
     pub tau: &'a [f64],
-    /// `d q/dp`: joint after joint, and for each joint all that was asked for, in order.
+    /// `d q/dp`: joint after joint, and for each joint all parameters in the requested order.
     pub q_slopes: &'a [f64],
     /// `d tau/dp`, in the same order.
     pub tau_slopes: &'a [f64],
@@ -103,7 +103,7 @@ impl<'a> Sensitivities<'a> {
         Ok(Self {
             running,
             slopes,
-            stages: StageRecord::of_stages(stages, n),
+            stages: StageDynamics::of_stages(stages, n),
             stage_slopes: StageSlopes::new(stages, &start, channels),
             end: start.clone(),
             output: Output::new(n, to.len()),
@@ -115,7 +115,7 @@ impl<'a> Sensitivities<'a> {
         })
     }
 
-    /// The next sample of the job's grid; none behind the last.
+    /// The next sample of the job's grid; none after the last.
     ///
     /// # Errors
     /// As [`ClosedLoop::simulate`].
@@ -128,7 +128,7 @@ impl<'a> Sensitivities<'a> {
         Ok(Some(self.deliver()))
     }
 
-    /// The motion simulated, to its end.
+    /// Runs the simulation to its end and returns its motion.
     ///
     /// # Errors
     /// As [`ClosedLoop::simulate`].
@@ -139,7 +139,7 @@ impl<'a> Sensitivities<'a> {
         self.running.finish()
     }
 
-    /// Goes on to the next event of the simulation; false at the end.
+    /// Advances to the next event of the simulation; false at the end.
     fn go_on(&mut self) -> Result<bool, SimulationError> {
         if self.followed {
             std::mem::swap(&mut self.start, &mut self.end);
@@ -157,12 +157,12 @@ impl<'a> Sensitivities<'a> {
         Ok(true)
     }
 
-    /// Computes the accelerations that are wanted, and keeps what the sensitivities of their stage need.
+    /// Computes the requested accelerations, and stores what the sensitivities of their stage need.
     fn accelerate(&mut self) -> Result<(), SimulationError> {
         self.running.accelerate()?;
-        let record = &mut self.stages[self.running.integrator.stage()];
-        record.mass.copy_from_slice(self.running.system.plant.factored_mass_matrix());
-        record.accelerations.copy_from_slice(self.running.accelerations_mut());
+        let dynamics = &mut self.stages[self.running.integrator.stage()];
+        dynamics.mass.copy_from_slice(self.running.system.plant.factored_mass_matrix());
+        dynamics.accelerations.copy_from_slice(self.running.accelerations_mut());
         Ok(())
     }
 
@@ -184,8 +184,8 @@ impl<'a> Sensitivities<'a> {
         (self.first, self.followed) = (false, true);
     }
 
-    /// The drive signals that acted until the interval act for as long as the delay grows: the velocities change by
-    /// `M^-1 (tau_before - tau_now)` per second of delay.
+    /// The drive signals of the previous interval act for as long as the delay grows: the velocities change by `M^-1 (tau_before -
+    /// tau_now)` per second of delay.
     fn jump(&mut self) {
         let (Some(drop), false) = (self.slopes.torque_drop(), self.delay.is_empty()) else { return };
         let mut jump = vec![ZEROS; drop.len()];
@@ -196,7 +196,7 @@ impl<'a> Sensitivities<'a> {
         }
     }
 
-    /// The oldest output that is recorded and not yet delivered.
+    /// The oldest recorded output that is not yet delivered.
     fn deliver(&mut self) -> Sample<'_> {
         let k = self.delivered;
         self.delivered += 1;
@@ -212,7 +212,7 @@ impl<'a> Sensitivities<'a> {
         let n = system.u.len();
         output.x[..n].copy_from_slice(system.motion.q.sample(k));
         output.x[n..].copy_from_slice(system.motion.dq.sample(k));
-        slopes.torques(system, (t, &output.x), &output.state, &mut output.torques);
+        slopes.torques(system, t, &output.x, &output.state, &mut output.torques);
         output.state.write_rows(n, &mut output.q_slopes);
         output.torques.write_rows(n, &mut output.tau_slopes);
         let (q, tau) = (system.motion.q.sample(k), system.motion.tau.sample(k));

@@ -1,18 +1,18 @@
-//! The stages of a step, as the sensitivities see them.
+//! The stages of a step, as the sensitivities need them.
 
 use super::columns::{ColumnBlocks, combine};
 use crate::simulation::{plant::Plant, step_control::AcceptedStep};
 use thetahat_ground::series::Series;
 
-/// What a simulation knows of a stage.
-pub(super) struct StageRecord {
+/// Mass matrix and accelerations of a stage.
+pub(super) struct StageDynamics {
     /// The factors of the mass matrix.
     pub(super) mass: Vec<f64>,
     /// The accelerations.
     pub(super) accelerations: Vec<f64>,
 }
 
-impl StageRecord {
+impl StageDynamics {
     /// One for each of `stages`, of `n` coordinates.
     pub(super) fn of_stages(stages: usize, n: usize) -> Vec<Self> {
         (0..stages).map(|_| Self { mass: vec![0.0; n * n], accelerations: vec![0.0; n] }).collect()
@@ -24,15 +24,15 @@ pub(super) struct StageMotion {
     q: Series,
     dq: Series,
     ddq: Series,
-    /// The recorded channels that torque terms take.
+    /// The recorded channels that torque terms use.
     channels: Option<Series>,
 }
 
-/// Samples that are computed side by side.
+/// Samples that are computed together.
 const SIDE_BY_SIDE: usize = 4;
 
 impl StageMotion {
-    /// Zeros for `stages` of `n` coordinates, and for what fills up the last samples side by side.
+    /// Zeros for `stages` of `n` coordinates, and for the padding to whole groups of samples.
     fn zeros(stages: usize, n: usize, channels: usize) -> Self {
         let zeros = |width| Series::zeros(stages.next_multiple_of(SIDE_BY_SIDE), width);
         Self { q: zeros(n), dq: zeros(n), ddq: zeros(n), channels: (channels > 0).then(|| zeros(channels)) }
@@ -43,7 +43,7 @@ impl StageMotion {
         [&self.q, &self.dq, &self.ddq]
     }
 
-    /// The recorded channels that torque terms take.
+    /// The recorded channels that torque terms use.
     pub(super) fn channels(&self) -> Option<&Series> {
         self.channels.as_ref()
     }
@@ -60,7 +60,7 @@ impl StageMotion {
 pub(super) struct StageSlopes {
     pub(super) slopes: Vec<ColumnBlocks>,
     pub(super) motion: StageMotion,
-    /// Scratch: the slopes before, as they count in a stage.
+    /// Scratch: the previous slopes, as weighted in a stage.
     pub(super) before: ColumnBlocks,
 }
 
@@ -70,14 +70,15 @@ impl StageSlopes {
         Self { slopes: vec![zeros.clone(); stages], motion, before: zeros.clone() }
     }
 
-    /// Leaves a stage in the motion: its state has these weights of the slopes before, and the recorded channels are those at
-    /// its time.
+    /// Writes a stage to the motion: its state has these weights of the previous slopes, and the recorded channels are those at its time.
     pub(super) fn place(
         &mut self,
-        (step, plant): (&AcceptedStep<'_>, &mut Plant<'_>),
-        (stage, time): (usize, f64),
+        step: &AcceptedStep<'_>,
+        plant: &mut Plant<'_>,
+        stage: usize,
+        time: f64,
         weights: &[f64],
-        record: &StageRecord,
+        dynamics: &StageDynamics,
     ) {
         let StageMotion { q, dq, ddq, channels } = &mut self.motion;
         if let Some(channels) = channels {
@@ -91,7 +92,7 @@ impl StageSlopes {
             let x = q.sample_mut(stage).iter_mut().chain(dq.sample_mut(stage));
             x.zip(slope).for_each(|(x, k)| *x += step.step * weight * k);
         }
-        ddq.sample_mut(stage).copy_from_slice(&record.accelerations);
+        ddq.sample_mut(stage).copy_from_slice(&dynamics.accelerations);
     }
 
     /// The sensitivities within the step, with these weights of its slopes.

@@ -1,4 +1,4 @@
-//! How the torques of the drives change with the state and with what the loop is sensitive to.
+//! How the torques of the drives change with the state and with the sensitivity parameters.
 
 use super::{
     columns::{ColumnBlocks, add_product},
@@ -50,7 +50,7 @@ impl TorqueSlopes {
         self.held.as_ref().map(|held| &held.torque_drop[..])
     }
 
-    /// `tau_p`, K and D at time `t` and state `x`; the signals of a sampled controller are those held.
+    /// `tau_p`, K and D at time `t` and state `x`; the signals of a sampled controller are the held ones.
     pub(super) fn linearise(&mut self, system: &mut Loop<'_>, t: f64, x: &[f64], out: &mut LinearTerms) {
         out.fill_with_zeros();
         system.apply_torques(t, x);

@@ -11,7 +11,7 @@ pub enum LockError {
         key: &'static str,
         /// The name.
         name: String,
-        /// The names that it has.
+        /// The existing names.
         known: Vec<String>,
     },
     /// A joint that follows another has no value of its own.
@@ -22,7 +22,7 @@ pub enum LockError {
         /// The joint that it follows.
         leader: String,
     },
-    /// A value that the coordinate of a joint cannot have.
+    /// A value that is impossible for the coordinate of a joint.
     #[error("locked: joint `{joint}` at {value} {unit}: {expected}")]
     Value {
         /// The joint.
@@ -34,7 +34,7 @@ pub enum LockError {
         /// What is allowed, and what to do.
         expected: String,
     },
-    /// No joint is left.
+    /// No moving joint is left.
     #[error("locked: no joint is left that moves; leave out one that was recorded")]
     NothingMoves,
     /// A torque term that needs a locked joint.
@@ -43,7 +43,7 @@ pub enum LockError {
         /// Why.
         source: Box<TermError>,
     },
-    /// A motor turns with locked and with moving joints.
+    /// A motor turns with both locked and moving joints.
     #[error(
         "locked: motor {motor} turns with `{locked}`, which is locked, and with `{moving}`, which moves; lock both or none of \
          them, or give the robot a [transmission] matrix that does not couple the two"

@@ -6,23 +6,23 @@ use super::error::LockError;
 use crate::robot::{Joint, JointKind, Limits, RobotError};
 use thetahat_ground::one_or_each;
 
-/// Largest angle of a locked joint, rad: more than two turns are degrees, or a mistake.
+/// Largest angle of a locked joint, rad: more than two turns are probably degrees.
 const LARGEST_ANGLE: f64 = 4.0 * std::f64::consts::PI;
-/// Largest travel of a locked joint, m: more is millimetres, or a mistake.
+/// Largest travel of a locked joint, m: more is probably millimetres.
 const LARGEST_TRAVEL: f64 = 100.0;
-/// Part of its range by which a locked joint may lie outside of its limits: what zeros and stops differ by.
+/// Fraction of its range by which a locked joint may exceed its limits: zeros and stops differ by as much.
 const BEYOND_LIMITS: f64 = 0.05;
 
-/// Which joints of a robot do not move.
+/// The joints of a robot that do not move.
 ///
-/// `until` leaves the joints from the base to those named, and those that follow them; all others are locked, at the value
-/// that `locked` gives or else at their neutral one: 0, or the middle of their limits where 0 is outside of them.
+/// `until` keeps the joints from the base to those named, and their followers; all others are locked, at the value in `locked`
+/// or otherwise at their neutral one: 0, or the middle of their limits if 0 is outside.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(default)]
 pub struct Locks {
     /// Coordinates of locked joints by name, rad or m.
     pub locked: BTreeMap<String, f64>,
-    /// The last joints that move; none means that all move that are not locked.
+    /// The last joints that move; none means that all joints move except those in `locked`.
     #[serde(deserialize_with = "one_or_each::list")]
     pub until: Vec<String>,
 }
@@ -32,20 +32,20 @@ pub struct Locks {
 pub struct LockedJoint {
     /// Its name.
     pub name: String,
-    /// How it would move.
+    /// How it would move if unlocked.
     pub kind: JointKind,
     /// Its coordinate, rad or m.
     pub value: f64,
 }
 
-/// Locks with the file that states them.
+/// Locks and the file that states them.
 #[derive(Clone, Copy)]
 pub(in crate::robot) struct LocksOf<'a> {
     pub(in crate::robot) path: &'a Path,
     pub(in crate::robot) locks: &'a Locks,
 }
 
-/// The value of each joint that is locked by any; the last that locks a joint gives its value.
+/// The value of each joint that any of the locks fixes; the last lock of a joint determines its value.
 pub(in crate::robot) fn resolve_all(joints: &[Joint], stated: &[LocksOf<'_>]) -> Result<Vec<Option<f64>>, RobotError> {
     let mut values = vec![None; joints.len()];
     for LocksOf { path, locks } in stated {
@@ -57,7 +57,7 @@ pub(in crate::robot) fn resolve_all(joints: &[Joint], stated: &[LocksOf<'_>]) ->
 }
 
 impl Locks {
-    /// The locks of these joints of a robot: what else was locked follows them, or is locked by the robot's own description.
+    /// The locks of these joints of a robot: other locked joints follow them, or are locked by the robot's own description.
     #[must_use]
     pub fn restating(locked: &[LockedJoint], joints: &[Joint]) -> Self {
         let is_free = |name: &str| joints.iter().any(|j| j.name == name && j.mimic.is_none());
@@ -71,10 +71,10 @@ impl Locks {
         self.locked.is_empty() && self.until.is_empty()
     }
 
-    /// The coordinate of each joint that is locked, followers of locked joints included; none of those that move.
+    /// The coordinate of each locked joint, followers of locked joints included; none for moving joints.
     ///
     /// # Errors
-    /// [`LockError`] for names that the joints do not have, and values that they cannot have.
+    /// [`LockError`] for unknown names, and impossible values.
     pub(in crate::robot) fn resolve(&self, joints: &[Joint]) -> Result<Vec<Option<f64>>, LockError> {
         let mut values = self.beyond(joints)?;
         for (name, &value) in &self.locked {
@@ -95,7 +95,7 @@ impl Locks {
         refuse_standstill(&values).map(|()| values)
     }
 
-    /// The neutral values of the joints that `until` leaves out.
+    /// The neutral values of the joints that `until` excludes.
     fn beyond(&self, joints: &[Joint]) -> Result<Vec<Option<f64>>, LockError> {
         let mut moves = vec![self.until.is_empty(); joints.len()];
         for name in &self.until {
@@ -110,7 +110,7 @@ impl Locks {
 }
 
 impl Limits {
-    /// The coordinate of a joint of which nothing else is known: 0, or the middle of the limits where 0 is outside of them.
+    /// The default coordinate of a joint: 0, or the middle of the limits if 0 is outside.
     #[must_use]
     pub fn neutral(&self) -> f64 {
         match self.lower.zip(self.upper) {

@@ -7,14 +7,14 @@ use super::{
     terms::{a_priori_of_terms, remaining_terms},
     transmission::{Remaining, remaining},
 };
-use crate::robot::{INERTIAL, Joint, Mimic, Robot, body::Body};
+use crate::robot::{INERTIAL, Joint, Mimic, Robot, body::RigidBody};
 
 impl Robot {
-    /// The robot with these joints fixed at their values: the links behind them are part of the links that carry them, their
-    /// inertia included. Joints that follow a locked one are locked with it. The joints that are left are numbered anew.
+    /// The robot with these joints fixed at their values: the links of locked joints become part of the links that carry them,
+    /// including their inertia. Joints that follow a locked one are locked with it. The remaining joints are renumbered.
     ///
     /// # Errors
-    /// [`LockError`] for unknown names, values that a joint cannot have, and motors that couple locked and moving joints.
+    /// [`LockError`] for unknown names, impossible values, and motors that couple locked and moving joints.
     pub fn with_locks(&self, locks: &Locks) -> Result<Self, LockError> {
         merged(self, &locks.resolve(&self.joints)?)
     }
@@ -56,8 +56,8 @@ pub(in crate::robot) fn merged(robot: &Robot, locked: &[Option<f64>]) -> Result<
     Ok(merged)
 }
 
-/// The a-priori values of the joints and motors that are left, with the bodies behind locked joints in those of their
-/// carriers. What rotors and friction of locked joints had is gone: it acts on no motion.
+/// The a-priori values of the remaining joints and motors, with the bodies of locked joints merged into their carriers. The
+/// rotors and friction of locked joints are dropped: they do not affect any motion.
 fn a_priori(whole: &Robot, rest: &Robot, renumbering: &Renumbering) -> BTreeMap<String, f64> {
     let mut values = BTreeMap::new();
     for parameter in whole.parameter_table().iter() {
@@ -70,7 +70,7 @@ fn a_priori(whole: &Robot, rest: &Robot, renumbering: &Renumbering) -> BTreeMap<
         let place = renumbering.places[j];
         let Some(carrier) = place.carrier else { continue };
         let body = body_of(whole, j);
-        if carrier == j || body == Body::default() {
+        if carrier == j || body == RigidBody::default() {
             continue;
         }
         let seen = body.seen_in(&frame_in_carrier(whole, j, &place)).parameters();
@@ -83,7 +83,7 @@ fn a_priori(whole: &Robot, rest: &Robot, renumbering: &Renumbering) -> BTreeMap<
 }
 
 /// The a-priori body of a link, in the link's axes.
-fn body_of(robot: &Robot, joint: usize) -> Body {
+fn body_of(robot: &Robot, joint: usize) -> RigidBody {
     let value = |name: &str| robot.a_priori.get(&format!("{name}{}", joint + 1)).copied().unwrap_or(0.0);
-    Body::from_parameters(INERTIAL.map(|quantity| value(quantity.name())))
+    RigidBody::from_parameters(INERTIAL.map(|quantity| value(quantity.name())))
 }

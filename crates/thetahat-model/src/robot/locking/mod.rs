@@ -1,6 +1,6 @@
-//! Joints that do not move: fixed at a value before the dynamic model is built, their links part of those that carry them.
+//! Locked joints: fixed at a value before the dynamic model is built, their links part of those that carry them.
 //!
-//! [`Locks`] say which; [`Robot::with_locks`](crate::robot::Robot::with_locks) builds the robot that is left.
+//! [`Locks`] names them; [`Robot::with_locks`](crate::robot::Robot::with_locks) builds the remaining robot.
 
 mod error;
 mod locks;

@@ -1,4 +1,4 @@
-//! Which links of a URDF make up each moving link of a robot.
+//! The links of a URDF that make up each moving link of a robot.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use super::places::{frame_in_carrier, new_indices, places};
 use crate::robot::{Robot, RobotError, Solid, body::Frame, urdf};
 use thetahat_ground::vector::{Mat3, Vec3, product, times};
 
-/// A link of a URDF as a part of a moving link: the link behind its joint, or one that is fixed or locked to that.
+/// A link of a URDF as a part of a moving link: the link of the moving joint itself, or one fixed or locked to it.
 #[derive(Debug, Clone, PartialEq)]
 #[doc(hidden)]
 pub struct LinkPart {
@@ -16,13 +16,13 @@ pub struct LinkPart {
     /// The index of the moving link; none for parts of the base.
     #[doc(hidden)]
     pub carrier: Option<usize>,
-    /// Whether it is the link behind the moving joint itself.
+    /// Whether it is the link of the moving joint itself.
     #[doc(hidden)]
     pub is_carrier: bool,
     /// Its inertial parameters in the file, about the origin and in the axes of its own frame.
     #[doc(hidden)]
     pub own: [f64; 10],
-    /// The same about the origin and in the axes of the frame of the link behind the moving joint.
+    /// The inertial parameters about the origin and in the axes of the frame of the moving joint's link.
     #[doc(hidden)]
     pub in_carrier: [f64; 10],
     /// Its axes as columns and its origin in the frame of the moving joint, or of the base.
@@ -49,11 +49,11 @@ pub struct PlacedSolid {
 }
 
 impl Robot {
-    /// The links of the URDF that this robot was read from, in the order of the file, with the moving links that they are
-    /// parts of; joints that are locked in this robot carry their links along.
+    /// The links of the URDF that this robot was read from, in the order of the file, with the moving links that they are parts
+    /// of; joints that are locked in this robot move with their carriers.
     ///
     /// # Errors
-    /// [`RobotError`] for a text that is no URDF.
+    /// [`RobotError`] for a text that is not a URDF.
     #[doc(hidden)]
     pub fn parts_of_urdf(&self, text: &str, path: &Path) -> Result<Vec<LinkPart>, RobotError> {
         let whole = urdf::read(text, path, urdf::Transmissions::Ignored, &[])?;
@@ -89,7 +89,7 @@ impl Robot {
         Ok(urdf::link_bodies(text, path)?.into_iter().map(part).collect())
     }
 
-    /// A frame in that of the link behind a joint, seen from the joint's own frame.
+    /// Transforms a frame given in a joint's link to the joint's own frame.
     fn in_joint(&self, carrier: Option<usize>, frame: &Frame) -> (Mat3, Vec3) {
         match carrier.and_then(|joint| self.joints[joint].link_axes) {
             None => (frame.rotation, frame.origin),

@@ -1,9 +1,9 @@
-//! Where joints, motors and links of the whole robot are once some of its joints are locked.
+//! The new positions of joints, motors and links after some joints are locked.
 
 use crate::robot::{Joint, JointKind, Placement, Quantity, Robot, body::Frame};
 use thetahat_ground::vector::{IDENTITY, transpose};
 
-/// The index of each joint among those that are left.
+/// The index of each joint among the remaining ones.
 pub(super) fn new_indices(locked: &[Option<f64>]) -> Vec<Option<usize>> {
     let mut next = 0..;
     locked.iter().map(|value| if value.is_none() { next.next() } else { None }).collect()
@@ -31,7 +31,7 @@ pub(super) fn places(joints: &[Joint], locked: &[Option<f64>]) -> Vec<Place> {
     places
 }
 
-/// The moving joint that carries a joint that is left, and the joint's frame there; what does not change keeps its bits.
+/// The moving joint that carries a remaining joint, and the joint's frame there; unchanged placements keep their bits.
 pub(super) fn placement(joint: &Joint, places: &[Place], locked: &[Option<f64>]) -> (Option<usize>, Placement) {
     match joint.parent {
         Some(parent) if locked[parent].is_some() => {
@@ -57,16 +57,16 @@ fn motion(kind: JointKind, value: f64) -> Frame {
     }
 }
 
-/// What became of the joints and motors of the whole robot.
+/// The new numbers of the joints and motors of the whole robot.
 pub(super) struct Renumbering {
     pub(super) joints: Vec<Option<usize>>,
-    /// The motors that are left.
+    /// The remaining motors.
     pub(super) motors: Vec<usize>,
     pub(super) places: Vec<Place>,
 }
 
 impl Renumbering {
-    /// The number, from one, that a quantity of joint or motor `number` has now; none where it is gone.
+    /// The new number, from one, of a quantity of joint or motor `number`; none if it is removed.
     pub(super) fn number(&self, whole: &Robot, rest: &Robot, quantity: Quantity, number: usize) -> Option<usize> {
         match quantity {
             Quantity::Term(_) => None,

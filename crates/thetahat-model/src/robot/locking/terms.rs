@@ -1,10 +1,10 @@
-//! What torque terms are on a robot some of whose joints are locked.
+//! Torque terms of a robot with locked joints.
 
 use super::places::{Place, Renumbering, frame_in_carrier};
 use crate::robot::{Robot, TermDescription};
 use thetahat_ground::vector::{add, times};
 
-/// The terms that act on joints that are left; points of links behind locked joints are points of their carriers.
+/// The terms that act on remaining joints; points on the links of locked joints become points of their carriers.
 pub(super) fn remaining_terms(whole: &Robot, renumbering: &Renumbering) -> Vec<TermDescription> {
     let is_gone = |name: &str| {
         let place = whole.joints.iter().position(|joint| joint.name == name);
@@ -14,7 +14,7 @@ pub(super) fn remaining_terms(whole: &Robot, renumbering: &Renumbering) -> Vec<T
     whole.term_descriptions.iter().cloned().filter_map(carried).collect()
 }
 
-/// A term with its points on the links that carry them; none where both are on one.
+/// A term with its points on the carriers of their links; none if both points are on one link.
 fn moved_to_carriers(mut term: TermDescription, whole: &Robot, places: &[Place]) -> Option<TermDescription> {
     let Some(points) = term.points_mut() else { return Some(term) };
     let mut carriers = [None; 2];
@@ -29,7 +29,7 @@ fn moved_to_carriers(mut term: TermDescription, whole: &Robot, places: &[Place])
     (carriers[0] != carriers[1]).then_some(term)
 }
 
-/// The a-priori values of the terms under the names that they have now.
+/// The a-priori values of the terms under their new names.
 pub(super) fn a_priori_of_terms<'r>(
     whole: &'r Robot,
     rest: &'r Robot,

@@ -2,14 +2,14 @@ use super::error::LockError;
 use crate::robot::{Robot, Transmission};
 use thetahat_ground::linear_algebra::Matrix;
 
-/// The motors that turn with moving joints alone, and the transmission from them to the coordinates that are left.
+/// The motors that turn only with moving joints, and the transmission from them to the remaining coordinates.
 pub(super) struct Remaining {
     /// Motors of the whole robot, from zero.
     pub(super) motors: Vec<usize>,
     pub(super) transmission: Transmission,
 }
 
-/// The transmission without the coordinates of `locked` joints and the motors that turn with these alone.
+/// The transmission without the coordinates of `locked` joints and the motors that turn only with them.
 pub(super) fn remaining(robot: &Robot, locked: &[Option<f64>]) -> Result<Remaining, LockError> {
     let joints = robot.coordinate_joints();
     let (matrix, n) = (robot.transmission.matrix(), joints.len());
@@ -31,7 +31,7 @@ pub(super) fn remaining(robot: &Robot, locked: &[Option<f64>]) -> Result<Remaini
     let rest = Matrix::from_fn(motors.len(), coordinates.len(), |i, j| matrix.at(motors[i], coordinates[j]));
     let offset = pick(robot.transmission.offset(), &coordinates);
     let gains = pick(robot.transmission.drive_gain(), &motors);
-    // A block of a matrix that falls into two is as invertible as the whole.
+    // A diagonal block of a block-diagonal matrix is as invertible as the whole.
     let direct = || Transmission::direct(coordinates.len());
     let transmission = Transmission::new(rest, offset, gains).unwrap_or_else(direct);
     Ok(Remaining { motors, transmission })

@@ -3,7 +3,7 @@ use std::sync::Arc;
 use super::expression::{Expression, Variable};
 use crate::robot::{Bound, Role};
 
-/// One column of the torque model beside those of the links and drives, with its parameter.
+/// One column of the torque model in addition to those of the links and drives, with its parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TermColumn {
     /// Name of the parameter, such as `fs3` or `k_balancer`.
@@ -12,7 +12,7 @@ pub struct TermColumn {
     pub unit: String,
     /// What kind of torque it gives.
     pub role: Role,
-    /// Which values the parameter can physically have.
+    /// The physical bound of the parameter.
     pub bound: Bound,
     /// Index of the joint to which the parameter belongs.
     pub joint: usize,
@@ -20,7 +20,7 @@ pub struct TermColumn {
     pub shape: Shape,
     /// A recorded channel that multiplies it.
     pub factor: Option<ChannelFactor>,
-    /// Which term of the list it comes from, from zero.
+    /// Index of its term in the list, from zero.
     pub term: usize,
 }
 
@@ -33,8 +33,8 @@ pub struct ChannelFactor {
     pub reference: f64,
 }
 
-/// The torque for a unit of a term's parameter, as a function of the state. `q` and `dq` are those of the term's joint, `s`
-/// is the sign of `dq`, smooth in simulations.
+/// The torque for a unit of a term's parameter, as a function of the state. `q` and `dq` belong to the term's joint, `s` is the
+/// sign of `dq`, smooth in simulations.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     /// `1`.
@@ -57,7 +57,7 @@ pub enum Shape {
     Sign,
     /// `s` times a function that falls with the velocity.
     Stribeck(Stribeck),
-    /// `s` times the magnitude of the joint's torque of gravity at the a-priori parameters.
+    /// `s` times the magnitude of the joint's gravity torque at the a-priori parameters.
     Load,
     /// The sine or cosine of a multiple of a motor's angle, as a torque of that motor in joint units.
     Harmonic {
@@ -70,14 +70,14 @@ pub enum Shape {
         /// Whether it is the sine.
         sine: bool,
     },
-    /// A force along the line between two points of the robot: a unit of it pulls them together where `free_length` is given
-    /// and the distance is above it by one metre, or else with 1 N.
+    /// A force along the line between two points of the robot: a unit of it pulls them together with 1 N, or, if `free_length`
+    /// is given, with the excess of their distance over it in metres.
     BetweenPoints(TwoPoints),
-    /// A user's own expression.
+    /// A user-defined expression.
     Expression(Arc<Expression>),
 }
 
-/// Where the friction above the Coulomb friction ends as the velocity rises.
+/// The decay of the friction above Coulomb friction with rising velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stribeck {
     /// The law.
@@ -88,7 +88,7 @@ pub struct Stribeck {
     pub exponent: f64,
 }
 
-/// How friction falls with the velocity.
+/// The law of the decay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StribeckLaw {
     /// `exp(-|dq / vs|^delta)`.
@@ -134,14 +134,14 @@ pub enum Cylinder {
 /// A point of a link.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinkPoint {
-    /// Index of the joint in front of the link; none for the base.
+    /// Index of the link's joint; none for the base.
     pub joint: Option<usize>,
     /// The point in the link's own axes, from the origin of the joint's frame, m.
     pub position: [f64; 3],
 }
 
 impl Shape {
-    /// Whether it takes accelerations, so that no simulation can have it.
+    /// Whether it depends on accelerations, so that it cannot be simulated.
     #[must_use]
     pub fn needs_acceleration(&self) -> bool {
         match self {
@@ -160,7 +160,7 @@ impl Shape {
     }
 }
 
-/// The recorded channels that columns take, each once.
+/// The recorded channels that columns use, without duplicates.
 #[must_use]
 pub fn channels_of(columns: &[TermColumn]) -> Vec<String> {
     let mut names = Vec::new();

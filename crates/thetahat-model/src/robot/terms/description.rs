@@ -6,42 +6,42 @@ use serde::{Deserialize, Serialize};
 pub enum TermDescription {
     /// `k (q - rest)`.
     JointSpring {
-        /// The joints; all where none is named.
+        /// The joints; all if none is named.
         joints: Option<Vec<String>>,
-        /// The angle without torque of a revolute joint; without any it is estimated as well.
+        /// The angle without torque of a revolute joint; it is estimated if not given.
         rest_deg: Option<f64>,
-        /// The same of a prismatic joint.
+        /// The position without torque of a prismatic joint.
         rest_m: Option<f64>,
     },
     /// `fs s exp(-|dq / vs|^delta)`.
     ExponentialStribeck {
-        /// The joints; all where none is named.
+        /// The joints; all if none is named.
         joints: Option<Vec<String>>,
         /// `vs`, rad/s or m/s.
         velocity: f64,
         /// `delta`.
         #[serde(default = "two")]
         exponent: f64,
-        /// Whether `vs` and `delta` are searched for.
+        /// Whether `vs` and `delta` are searched.
         #[serde(default)]
         profile: bool,
     },
     /// `fs s / (1 + |dq / vs|^delta)`.
     Stribeck {
-        /// The joints; all where none is named.
+        /// The joints; all if none is named.
         joints: Option<Vec<String>>,
         /// `vs`, rad/s or m/s.
         velocity: f64,
         /// `delta`.
         #[serde(default = "two")]
         exponent: f64,
-        /// Whether `vs` and `delta` are searched for.
+        /// Whether `vs` and `delta` are searched.
         #[serde(default)]
         profile: bool,
     },
     /// `fvq s |dq|^2`, `fvc s |dq|^3`.
     PolynomialViscous {
-        /// The joints; all where none is named.
+        /// The joints; all if none is named.
         joints: Option<Vec<String>>,
         /// The powers, 2 and 3.
         #[serde(default = "square")]
@@ -49,17 +49,17 @@ pub enum TermDescription {
     },
     /// `fva s dq`: viscous friction that differs with the direction.
     AsymmetricViscous {
-        /// The joints; all where none is named.
+        /// The joints; all if none is named.
         joints: Option<Vec<String>>,
     },
     /// `fl s |gravity torque|`.
     LoadFriction {
-        /// The joints; all where none is named.
+        /// The joints; all if none is named.
         joints: Option<Vec<String>>,
     },
     /// `fc_CHANNEL s (value - reference)`.
     ChannelCoulomb {
-        /// The joints; all where none is named.
+        /// The joints; all if none is named.
         joints: Option<Vec<String>>,
         /// The recorded channel.
         channel: String,
@@ -68,7 +68,7 @@ pub enum TermDescription {
     },
     /// `fv_CHANNEL dq (value - reference)`.
     ChannelViscous {
-        /// The joints; all where none is named.
+        /// The joints; all if none is named.
         joints: Option<Vec<String>>,
         /// The recorded channel.
         channel: String,
@@ -77,7 +77,7 @@ pub enum TermDescription {
     },
     /// `hs sin(k motor angle) + hc cos(k motor angle)` for each k.
     MotorHarmonics {
-        /// The joints whose motors are meant; all where none is named.
+        /// The joints whose motors are meant; all if none is named.
         joints: Option<Vec<String>>,
         /// The multiples k.
         harmonics: Vec<f64>,
@@ -90,10 +90,10 @@ pub enum TermDescription {
         from: PointDescription,
         /// The other.
         to: PointDescription,
-        /// Length without force; without any the preload is estimated as well.
+        /// Length without force; if not given, the preload is estimated as well.
         free_length_m: Option<f64>,
     },
-    /// A gas spring between two points: it pushes with a constant force, and with a stiffness where its length is given.
+    /// A gas spring between two points: it pushes with a constant force, and with a stiffness if its length is given.
     GasSpring {
         /// Its name.
         name: String,
@@ -101,10 +101,10 @@ pub enum TermDescription {
         from: PointDescription,
         /// The other.
         to: PointDescription,
-        /// Length at which it pushes with the constant force alone.
+        /// Length at which it pushes with only the constant force.
         extended_length_m: Option<f64>,
     },
-    /// A cylinder between two points on an accumulator of gas: a counterbalance.
+    /// A cylinder between two points, connected to a gas accumulator: a counterbalance.
     Hydraulic {
         /// Its name.
         name: String,
@@ -118,10 +118,10 @@ pub enum TermDescription {
         length_m: f64,
         /// Volume of the gas at that length over the area of the piston.
         gas_length_m: f64,
-        /// The polytropic exponent; none takes a force affine in the length.
+        /// The polytropic exponent; if not given, the force is affine in the length.
         exponent: Option<f64>,
     },
-    /// A user's own column.
+    /// A user-defined column.
     Expression {
         /// Name of the parameter.
         name: String,
@@ -132,7 +132,7 @@ pub enum TermDescription {
         /// Unit of the parameter.
         #[serde(default)]
         unit: String,
-        /// Whether the parameter is physically never below zero.
+        /// Whether the parameter is physically nonnegative.
         #[serde(default)]
         not_negative: bool,
     },
@@ -142,13 +142,13 @@ pub enum TermDescription {
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PointDescription {
-    /// The joint in front of the link; none for the base.
+    /// The link's joint; none for the base.
     pub link_of: Option<String>,
     /// The point in the link's frame.
     pub point_m: [f64; 3],
 }
 
-/// What a cylinder does.
+/// The direction of a cylinder's force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Direction {
@@ -187,7 +187,7 @@ impl TermDescription {
         }
     }
 
-    /// The same with other constants, where it is Stribeck friction.
+    /// The term with other constants, if it is Stribeck friction.
     #[must_use]
     pub fn with_constants(mut self, vs: f64, delta: f64) -> Self {
         if let Self::ExponentialStribeck { velocity, exponent, profile, .. }
@@ -198,7 +198,7 @@ impl TermDescription {
         self
     }
 
-    /// The same on one joint alone, where it is of joints.
+    /// The term on one joint only, if it is a term of joints.
     #[must_use]
     pub fn on_joint(mut self, name: &str) -> Self {
         if let Some(joints) = self.joints_mut() {
@@ -207,7 +207,7 @@ impl TermDescription {
         self
     }
 
-    /// Whether constants of it are to be searched for.
+    /// Whether its constants are to be searched.
     #[must_use]
     pub fn is_profiled(&self) -> bool {
         matches!(self, Self::ExponentialStribeck { profile: true, .. } | Self::Stribeck { profile: true, .. })
@@ -223,7 +223,7 @@ impl TermDescription {
         toml::to_string(&File { term: [self] }).unwrap_or_default()
     }
 
-    /// The term without the joints for which `is_gone` holds; none where it acts on no other.
+    /// The term without the joints for which `is_gone` holds; none if it acts on no other.
     pub(in crate::robot) fn without_joints(mut self, is_gone: &dyn Fn(&str) -> bool) -> Option<Self> {
         if let Self::Expression { joint, .. } = &self {
             return (!is_gone(joint)).then_some(self);
@@ -233,7 +233,7 @@ impl TermDescription {
         (!joints.is_empty()).then_some(self)
     }
 
-    /// The joints that it names, where it is of joints.
+    /// The joints that it names, if it is a term of joints.
     fn joints_mut(&mut self) -> Option<&mut Option<Vec<String>>> {
         match self {
             Self::JointSpring { joints, .. }
@@ -249,7 +249,7 @@ impl TermDescription {
         }
     }
 
-    /// Its two points, where it acts between points.
+    /// Its two points, if it acts between points.
     pub(in crate::robot) fn points_mut(&mut self) -> Option<[&mut PointDescription; 2]> {
         match self {
             Self::Spring { from, to, .. } | Self::GasSpring { from, to, .. } | Self::Hydraulic { from, to, .. } => {
@@ -268,7 +268,7 @@ impl TermDescription {
         }
     }
 
-    /// Whether its parameter has a name of its own, and not one by the number of its joint.
+    /// Whether its parameter has its own name, not one with the number of its joint.
     pub(in crate::robot) fn has_own_name(&self) -> bool {
         match self {
             Self::Spring { .. } | Self::GasSpring { .. } | Self::Hydraulic { .. } | Self::Expression { .. } => true,
@@ -284,7 +284,7 @@ impl TermDescription {
         }
     }
 
-    /// The joints that it names; none where it names none.
+    /// The joints that it names; none if it names none.
     pub(super) fn joints(&self) -> Option<&[String]> {
         match self {
             Self::JointSpring { joints, .. }

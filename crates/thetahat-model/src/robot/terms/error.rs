@@ -26,8 +26,8 @@ pub enum TermError {
         /// What was found.
         found: String,
     },
-    /// Two parameters of one name.
-    #[error("{term}: its parameter {parameter} is there already; {remedy}")]
+    /// Two parameters with the same name.
+    #[error("{term}: its parameter {parameter} exists already; {remedy}")]
     Twice {
         /// The term.
         term: String,
@@ -54,5 +54,5 @@ pub enum TermError {
     },
 }
 
-/// Parameters of terms: more than any robot needs.
+/// Most parameters of terms.
 pub(super) const MOST_COLUMNS: usize = 20 * MOST_JOINTS;

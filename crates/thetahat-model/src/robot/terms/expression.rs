@@ -1,4 +1,4 @@
-//! A user's own column: arithmetic on the state and on recorded channels, no code.
+//! A user-defined column: arithmetic on the state and on recorded channels, no code.
 
 use exmex::{Express, FlatEx};
 
@@ -13,7 +13,7 @@ pub struct Expression {
     compiled: FlatEx<f64>,
 }
 
-/// What a variable of an expression stands for; joints by their index.
+/// The meaning of a variable of an expression; joints by their index.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Variable {
     /// Position of a joint, rad or m.
@@ -35,7 +35,7 @@ impl PartialEq for Expression {
 }
 
 impl Expression {
-    /// The expression of a text for joint `own` of so many joints; joint and count by index.
+    /// Parses an expression for joint `own` of a robot with `joints` joints.
     ///
     /// # Errors
     /// What is wrong with it, in words.
@@ -64,20 +64,20 @@ impl Expression {
         &self.variables
     }
 
-    /// Its value; not a number where it has none.
+    /// Its value; NaN where it is undefined.
     #[must_use]
     pub fn value(&self, variables: &[f64]) -> f64 {
         self.compiled.eval(variables).unwrap_or(f64::NAN)
     }
 
-    /// Whether it takes accelerations.
+    /// Whether it depends on accelerations.
     #[must_use]
     pub fn needs_acceleration(&self) -> bool {
         self.variables.iter().any(|v| matches!(v, Variable::Acceleration(_)))
     }
 }
 
-/// `q`, `dq`, `ddq` and `s` of the own joint, with a number behind them of that joint, else a channel.
+/// `q`, `dq`, `ddq` and `s` of the own joint, or of another joint if followed by its number; any other name is a channel.
 fn variable(name: &str, own: usize, joints: usize) -> Result<Variable, String> {
     let letters = name.trim_end_matches(|c: char| c.is_ascii_digit());
     let of_joint = match letters {

@@ -1,4 +1,4 @@
-//! A user's expression as a tree, for who writes it in other words: generated code.
+//! A user-defined expression as a tree, for generated code.
 
 use std::str::FromStr;
 
@@ -6,7 +6,7 @@ use exmex::{BinOp, Express, FlatEx, FloatOpsFactory, MakeOperators, Operator};
 
 use super::expression::Expression;
 
-/// Arithmetic on the variables of an [`Expression`], by their place.
+/// Arithmetic on the variables of an [`Expression`], by their index.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Formula {
     Number(f64),
@@ -19,11 +19,11 @@ pub(crate) enum Formula {
     Difference(Box<[Self; 2]>),
     Product(Box<[Self; 2]>),
     Quotient(Box<[Self; 2]>),
-    /// Of one argument or of two.
+    /// A function of one or two arguments.
     Function(MathFunction, Vec<Self>),
 }
 
-/// A function beside sine and cosine, of one argument but for the last four.
+/// A function other than sine and cosine; of one argument, except the last four.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum MathFunction {
     Exponential,
@@ -43,7 +43,7 @@ pub(crate) enum MathFunction {
     Floor,
     /// `a^b`.
     Power,
-    /// The angle of the point (b, a).
+    /// The angle of the point (b, a), `atan2`.
     ArcTangentOfPoint,
     Smaller,
     Larger,
@@ -90,7 +90,7 @@ impl FromStr for Formula {
     }
 }
 
-/// The operators of [`Expression`] on trees, with the precedence that they have on numbers.
+/// The operators of [`Expression`] on trees, with the same precedence as on numbers.
 #[derive(Debug, Clone)]
 struct Operators;
 
@@ -100,7 +100,7 @@ impl MakeOperators<Formula> for Operators {
     }
 }
 
-/// An operator on numbers as one on trees.
+/// Converts an operator on numbers to one on trees.
 fn on_trees<'a>(operator: &Operator<'a, f64>) -> Option<Operator<'a, Formula>> {
     let name = operator.repr();
     if let Some(value) = operator.constant() {
@@ -160,7 +160,7 @@ fn one_argument(name: &str) -> Option<fn(Formula) -> Formula> {
         "ceil" => ceiling,
         "trunc" => truncated,
         "fract" => |a| Formula::Difference(Box::new([a.clone(), truncated(a)])),
-        // Halves go away from zero.
+        // Halves are rounded away from zero.
         "round" => |a| {
             let half = |sign: f64| Formula::Sum(Box::new([a.clone(), Formula::Number(0.5 * sign)]));
             outer_part(of(F::Floor, half(1.0)), ceiling(half(-1.0)))
@@ -185,7 +185,7 @@ fn truncated(a: Formula) -> Formula {
     outer_part(of(MathFunction::Floor, a.clone()), ceiling(a))
 }
 
-/// `max(up, 0) + min(down, 0)`: what steps up above zero and down below, of which one is zero.
+/// `max(up, 0) + min(down, 0)`: a step up above zero and a step down below, of which one is zero.
 fn outer_part(up: Formula, down: Formula) -> Formula {
     let with_zero = |function, part| Formula::Function(function, vec![part, Formula::Number(0.0)]);
     let (up, down) = (with_zero(MathFunction::Larger, up), with_zero(MathFunction::Smaller, down));
@@ -196,7 +196,7 @@ impl Expression {
     /// Its tree, whose variables are those of [`Expression::variables`].
     ///
     /// # Errors
-    /// What has no tree, in words.
+    /// What cannot be converted, in words.
     pub(crate) fn formula(&self) -> Result<Formula, String> {
         let parsed = FlatEx::<Formula, Operators>::parse(self.text()).map_err(|e| e.to_string())?;
         let variables: Vec<Formula> = (0..self.variables().len()).map(Formula::Variable).collect();

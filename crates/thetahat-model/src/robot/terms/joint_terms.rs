@@ -11,7 +11,7 @@ use super::{
 };
 use crate::robot::{Bound, JointKind, Role};
 
-/// Exponents of Stribeck friction that are read.
+/// Allowed exponents of Stribeck friction.
 const EXPONENTS: std::ops::RangeInclusive<f64> = 0.3..=10.0;
 
 impl Resolver<'_> {
@@ -171,7 +171,7 @@ fn viscous(units: [&'static str; 2]) -> Meaning {
     Meaning { role: Role::ViscousFriction, bound: Bound::NotNegative, units }
 }
 
-/// Values of each variable, alone and with the others, at which an expression must be a finite number.
+/// Values of each variable, alone and with the others, at which an expression must be finite.
 const PROBES: [f64; 7] = [0.0, 1e-3, -1e-3, 0.7, -1.3, 3.0, -3.0];
 
 fn check_finite(expression: &Expression) -> Result<(), String> {

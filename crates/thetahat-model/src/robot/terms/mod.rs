@@ -1,7 +1,8 @@
-//! Torque terms beside those of the links and drives, as data: springs, friction laws, motor harmonics, a user's own column.
+//! Torque terms in addition to those of the links and drives, as data: springs, friction laws, motor harmonics, a user-defined
+//! column.
 //!
 //! A file has a list of [`TermDescription`]s; with a robot they become [`TermColumn`]s, each a column of the observation
-//! matrix with its parameter. What a column is worth in a state is said once, in `dynamics/term_torques.rs`.
+//! matrix with its parameter. The value of a column in a state is defined in `dynamics/term_torques.rs`.
 
 mod column;
 mod description;

@@ -9,7 +9,7 @@ use super::{
 use crate::robot::{Bound, LARGEST};
 
 impl Resolver<'_> {
-    /// The columns of a force between two points; none where the term is another.
+    /// The columns of a force between two points; none if the term is of another kind.
     pub(super) fn between_points(&self) -> Result<Option<Vec<TermColumn>>, TermError> {
         let columns = match self.description {
             TermDescription::Spring { name, from, to, free_length_m } => {

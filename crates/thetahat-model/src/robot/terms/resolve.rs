@@ -1,4 +1,4 @@
-//! From descriptions to columns of a robot.
+//! Converts descriptions to columns of a robot.
 
 use super::{
     column::{Shape, TermColumn},
@@ -7,7 +7,7 @@ use super::{
 };
 use crate::robot::{Bound, JointKind, Robot, Role};
 
-/// A description being resolved, with what its messages and columns say of it.
+/// A description being resolved, with its context for messages and columns.
 pub(super) struct Resolver<'a> {
     pub(super) robot: &'a Robot,
     pub(super) description: &'a TermDescription,
@@ -15,7 +15,7 @@ pub(super) struct Resolver<'a> {
 }
 
 impl Robot {
-    /// Adds torque terms behind those that the robot has.
+    /// Adds torque terms after those that the robot has.
     ///
     /// # Errors
     /// [`TermError`], which names the term.
@@ -29,7 +29,7 @@ impl Robot {
         Ok(())
     }
 
-    /// The same robot with other terms.
+    /// The robot with other terms.
     ///
     /// # Errors
     /// As [`Robot::add_terms`].
@@ -56,7 +56,7 @@ impl Resolver<'_> {
         Ok(columns)
     }
 
-    /// The joints of a term of joints; all that follow no other where it names none.
+    /// The joints of a term of joints; all that follow no other if it names none.
     fn joints(&self) -> Result<Vec<usize>, TermError> {
         match self.description.joints() {
             None => Ok(self.robot.coordinate_joints()),
@@ -74,7 +74,7 @@ impl Resolver<'_> {
     }
 
     fn check_names(&self, columns: &[TermColumn]) -> Result<(), TermError> {
-        // An r behind a name says that others are regrouped in it.
+        // A final r in a name marks a parameter with others regrouped into it.
         let bare = |name: &str| name.trim_end_matches('r').to_owned();
         let known: Vec<String> = self.robot.parameter_table().iter().map(|p| bare(&p.name())).collect();
         for (k, column) in columns.iter().enumerate() {
@@ -92,7 +92,7 @@ impl Resolver<'_> {
         Ok(())
     }
 
-    /// A column of a joint, whose parameter is called by the joint's number.
+    /// A column of a joint, whose parameter is named by the joint's number.
     pub(super) fn column(&self, joint: usize, name: &str, meaning: Meaning, shape: Shape) -> TermColumn {
         let Meaning { role, bound, units: [revolute, prismatic] } = meaning;
         let unit = match self.robot.joints[joint].kind {
@@ -111,7 +111,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Where the term stands, for messages.
+    /// The position of the term in the file, for messages.
     pub(super) fn place(&self) -> String {
         format!("[[term]] {} ({})", self.number + 1, self.description.kind())
     }
@@ -130,7 +130,7 @@ impl Resolver<'_> {
     }
 }
 
-/// What a parameter is: role, bound, and units for a revolute and a prismatic joint.
+/// The meaning of a parameter: role, bound, and units for a revolute and a prismatic joint.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Meaning {
     pub(super) role: Role,

@@ -1,4 +1,4 @@
-//! Numbers of a description that no robot has.
+//! Physically impossible numbers of a description.
 
 use std::collections::BTreeMap;
 
@@ -9,12 +9,12 @@ use crate::robot::{
 };
 use thetahat_ground::{linear_algebra::Matrix, vector::norm};
 
-/// Gravity of places where robots work, m/s^2: above that of the Moon less what inclined frames lose by rounding, below
-/// three times that of the Earth. Smaller ones are given in g.
+/// Magnitudes of gravity that are accepted, m/s^2: from below that of the Moon, to allow rounding in inclined frames, to three
+/// times that of the Earth. Smaller numbers are probably given in g.
 const GRAVITY: std::ops::RangeInclusive<f64> = 1.5..=30.0;
-/// Part of the largest inertia that the digits of a description may have cut off.
+/// Fraction of the largest inertia that truncated digits of a description may cause.
 const ROUNDING: f64 = 1e-3;
-/// Condition number of the motor-joint matrix, its rows scaled to one, from which its rows depend on one another.
+/// Condition number of the motor-joint matrix, its rows scaled to one, above which its rows depend on one another.
 const SINGULAR: f64 = 1e8;
 
 impl Reader<'_> {
@@ -29,7 +29,8 @@ impl Reader<'_> {
         Err(self.value("gravity", expected, &format!("{gravity:?}, of length {length:.4}")))
     }
 
-    /// A-priori values that a joint, a motor or a body can have; `robot` holds them beside those of a URDF.
+    /// Checks that a-priori values are possible for a joint, a motor or a body; `robot` holds them together with those of a
+    /// URDF.
     pub(super) fn check_parameters(&self, robot: &Robot, given: &BTreeMap<String, f64>) -> Result<(), RobotError> {
         let table = robot.parameter_table();
         for parameter in table.iter() {
@@ -40,13 +41,13 @@ impl Reader<'_> {
                 return Err(self.value(&key, "a finite number up to 1e9", &value.to_string()));
             }
             if value < 0.0 && cannot_be_negative(parameter.quantity) {
-                return Err(self.value(&key, "zero or more: no robot has less", &value.to_string()));
+                return Err(self.value(&key, "zero or more", &value.to_string()));
             }
         }
         (0..robot.joints.len()).try_for_each(|joint| self.check_body(robot, joint, given))
     }
 
-    /// A link that the file gives a mass and all principal entries of its inertia is a body.
+    /// A link with a mass and all principal entries of its inertia in the file must be a rigid body.
     fn check_body(&self, robot: &Robot, joint: usize, given: &BTreeMap<String, f64>) -> Result<(), RobotError> {
         let name = |quantity: LinkQuantity| format!("{}{}", quantity.name(), joint + 1);
         if !INERTIAL.iter().any(|quantity| given.contains_key(&name(*quantity))) {
@@ -74,7 +75,7 @@ fn cannot_be_negative(quantity: Quantity) -> bool {
     is_diagonal || quantity.bound() == Bound::NotNegative
 }
 
-/// Whether rows depend on one another so nearly that a motion of the motors says nothing of that of the joints.
+/// Whether the transmission is nearly singular: its rows almost depend on one another.
 pub(super) fn is_nearly_singular(matrix: &Matrix) -> bool {
     let n = matrix.columns();
     let largest = |i: usize| (0..n).map(|j| matrix.at(i, j).abs()).fold(0.0, f64::max);

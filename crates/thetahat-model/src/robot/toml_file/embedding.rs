@@ -5,11 +5,11 @@ use serde::Deserialize;
 use crate::robot::RobotError;
 use thetahat_ground::files;
 
-/// The URDF that a TOML stands on.
+/// The URDF that a TOML refers to.
 pub(in crate::robot) enum Urdf {
     /// A file.
     File(PathBuf),
-    /// The text itself, under the name of the file that it came from.
+    /// The text itself, with the name of its original file.
     Text(PathBuf, String),
 }
 
@@ -19,19 +19,19 @@ struct Keys {
     urdf_text: Option<String>,
 }
 
-/// The URDF of a description at `path`, if it stands on one.
+/// The URDF of a description at `path`, if it refers to one.
 pub(in crate::robot) fn urdf_of(text: &str, path: &Path) -> Result<Option<Urdf>, RobotError> {
     let keys = toml::from_str::<Keys>(text).map_err(|e| RobotError::of_toml(&e, path))?;
     Ok(match (keys.urdf, keys.urdf_text) {
         (name, Some(text)) => Some(Urdf::Text(name.unwrap_or_else(|| PathBuf::from("urdf_text")), text)),
-        (Some(name), None) => Some(Urdf::File(beside(path, &name)?)),
+        (Some(name), None) => Some(Urdf::File(allowed_file(path, &name)?)),
         (None, None) => None,
     })
 }
 
-/// A file named by the description at `path`: inside its folder or the folder above, links followed, so that a
-/// description from elsewhere reads nothing else.
-fn beside(path: &Path, name: &Path) -> Result<PathBuf, RobotError> {
+/// The path of a file named by the description at `path`: inside its folder or the folder above, links followed, so that a
+/// foreign description cannot read any other file.
+fn allowed_file(path: &Path, name: &Path) -> Result<PathBuf, RobotError> {
     let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let file = folder.join(name);
     let real = |path: &Path| files::real(path).ok();
@@ -42,17 +42,17 @@ fn beside(path: &Path, name: &Path) -> Result<PathBuf, RobotError> {
             expected: "a file in the folder of this description or the one above",
             found: name.display().to_string(),
         }),
-        // What is not there is reported where it is read.
+        // A missing file is reported where it is read.
         _ => Ok(file),
     }
 }
 
-/// Whether the description carries its URDF in itself.
+/// Whether the description embeds its URDF.
 pub(in crate::robot) fn has_embedded_urdf(text: &str) -> bool {
     toml::from_str::<Keys>(text).is_ok_and(|keys| keys.urdf_text.is_some())
 }
 
-/// The description with its URDF in itself, in the key `urdf_text`.
+/// The description with its URDF embedded in the key `urdf_text`.
 pub(in crate::robot) fn with_embedded_urdf(text: &str, urdf: &str) -> String {
     format!("urdf_text = {}\n{}", toml::Value::String(urdf.to_owned()), text.trim_start_matches('\u{feff}'))
 }

@@ -11,7 +11,7 @@ use crate::robot::{
 type Entry = Spanned<JointEntry>;
 
 impl Reader<'_> {
-    /// The joints, parents before children. Without any `parent`, each joint stands on the one before in the file.
+    /// The joints, parents before children. Without any `parent`, each joint is carried by the previous one in the file.
     pub(super) fn joints(&self, entries: &[Entry], convention: Convention) -> Result<Vec<Joint>, RobotError> {
         self.check_count(entries)?;
         self.check_names(entries)?;

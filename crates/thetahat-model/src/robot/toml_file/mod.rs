@@ -1,5 +1,5 @@
-//! Our TOML description: joints in Denavit-Hartenberg form, or a URDF, and what stands on either: transmission, friction
-//! model, gravity, a-priori parameters.
+//! Our TOML description: joints in Denavit-Hartenberg form, or a URDF, with transmission, friction model, gravity and a-priori
+//! parameters.
 
 mod bounds;
 mod embedding;

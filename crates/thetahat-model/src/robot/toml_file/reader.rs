@@ -10,15 +10,16 @@ use crate::robot::{
     urdf,
 };
 
-/// Acceleration of gravity where none is given, m/s^2.
+/// Default acceleration of gravity, m/s^2.
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
-/// The robot of a TOML description, which stands on the text of `urdf` where it names one, with the joints locked that it
-/// names and then those that are `stated` elsewhere.
+/// The robot of a TOML description, which refers to the text of `urdf` if it names one, with the joints locked that it names
+/// and then those `stated` elsewhere.
 pub(in crate::robot) fn read(
     text: &str,
     path: &Path,
-    (urdf, transmissions): (Option<&(PathBuf, String)>, urdf::Transmissions),
+    urdf: Option<&(PathBuf, String)>,
+    transmissions: urdf::Transmissions,
     stated: &[LocksOf<'_>],
 ) -> Result<Robot, RobotError> {
     let mut file: RobotFile = toml::from_str(text).map_err(|e| RobotError::of_toml(&e, path))?;
@@ -26,7 +27,7 @@ pub(in crate::robot) fn read(
     let locks: Vec<LocksOf<'_>> = [LocksOf { path, locks: &locks }].into_iter().chain(stated.iter().copied()).collect();
     let reader = Reader { path, text };
     let below = match urdf {
-        Some((urdf_path, urdf_text)) => reader.on_urdf(&file, (urdf_path, urdf_text, transmissions), &locks)?,
+        Some((urdf_path, urdf_text)) => reader.on_urdf(&file, urdf_path, urdf_text, transmissions, &locks)?,
         None => reader.alone(&file)?,
     };
     let whole = reader.with_additions(below, file)?;
@@ -34,7 +35,7 @@ pub(in crate::robot) fn read(
     merged(&whole, &values).map_err(|source| RobotError::lock(path, source))
 }
 
-/// Turns the parsed file into a robot; knows where in the file things stand.
+/// Converts the parsed file to a robot; knows the positions of its entries.
 pub(super) struct Reader<'a> {
     pub(super) path: &'a Path,
     pub(super) text: &'a str,
@@ -62,25 +63,23 @@ impl Reader<'_> {
     fn on_urdf(
         &self,
         file: &RobotFile,
-        (urdf_path, urdf_text, transmissions): (&Path, &str, urdf::Transmissions),
+        urdf_path: &Path,
+        urdf_text: &str,
+        transmissions: urdf::Transmissions,
         locks: &[LocksOf<'_>],
     ) -> Result<Robot, RobotError> {
         if !file.joint.is_empty() {
-            return Err(self.value("joint", "none where urdf gives the joints", "[[joint]]"));
+            return Err(self.value("joint", "none if urdf gives the joints", "[[joint]]"));
         }
         if file.convention.is_some() {
-            return Err(self.value(
-                "convention",
-                "none where urdf gives the joints",
-                "a Denavit-Hartenberg convention",
-            ));
+            return Err(self.value("convention", "none if urdf gives the joints", "a Denavit-Hartenberg convention"));
         }
         let own = file.transmission.as_ref().is_some_and(|t| t.matrix.is_some());
         let transmissions = if own { urdf::Transmissions::Ignored } else { transmissions };
         urdf::read(urdf_text, urdf_path, transmissions, locks)
     }
 
-    /// What the file says beside the joints, over what `robot` says.
+    /// The settings of the file other than the joints, which override those of `robot`.
     fn with_additions(&self, mut robot: Robot, file: RobotFile) -> Result<Robot, RobotError> {
         let RobotFile { name, gravity, friction, transmission, parameters, term, .. } = file;
         self.check_finite("gravity", gravity.into_iter().flatten())?;
@@ -94,7 +93,7 @@ impl Reader<'_> {
             robot.transmission = self.transmission(entry, &robot.joints, &robot.transmission)?;
         }
         robot.set_friction(friction.unwrap_or(robot.friction));
-        // Terms may need a-priori values, and a-priori values may be of terms.
+        // Terms may need a-priori values, and a-priori values may belong to terms.
         let mut described = robot.clone();
         described.a_priori.extend(parameters.clone());
         described
@@ -118,7 +117,7 @@ impl Reader<'_> {
 
     pub(super) fn check_finite(&self, key: &str, values: impl IntoIterator<Item = f64>) -> Result<(), RobotError> {
         match values.into_iter().find(|v| !v.is_finite()) {
-            Some(v) => Err(self.value(key, "finite numbers", &v.to_string())),
+            Some(found) => Err(RobotError::NotFinite { path: self.path.to_owned(), key: key.to_owned(), found }),
             None => Ok(()),
         }
     }

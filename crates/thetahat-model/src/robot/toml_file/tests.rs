@@ -126,8 +126,7 @@ fn then((r, p): (Mat3, Vec3), (s, o): (Mat3, Vec3)) -> (Mat3, Vec3) {
     (product(&r, &s), add(p, times(&r, o)))
 }
 
-/// The converted frames give the tool the same frame as the standard table, whose last a and alpha lie beyond the last
-/// joint.
+/// The converted frames give the tool the same frame as the standard table, whose last a and alpha come after the last joint.
 #[test]
 fn a_standard_table_has_its_own_forward_kinematics() {
     let table = [[0.3, 40.0, 0.2, 10.0], [-0.5, -90.0, 0.1, 0.0], [0.2, 25.0, -0.4, -70.0]];
@@ -242,7 +241,7 @@ fn joints_are_given_once() {
 }
 
 #[test]
-fn a_urdf_beside_its_description_is_read_and_kept_in_one_text() {
+fn a_urdf_next_to_its_description_is_read_and_kept_in_one_text() {
     let folder = thetahat_testing::Folder::new();
     folder.write("arm.urdf", URDF.replace('\n', "\r\n"));
     folder.write("arm.toml", "urdf = \"arm.urdf\" # the maker's\n[parameters]\nia1 = 0.1\n");
@@ -250,7 +249,7 @@ fn a_urdf_beside_its_description_is_read_and_kept_in_one_text() {
     let robot = source.robot().unwrap();
     assert_eq!((source.format(), robot.name.as_str()), ("TOML on URDF", "arm"));
     let kept = RobotSource::from_text(source.to_text(), Path::new("results.json")).unwrap();
-    // The rod is given its inertia about the axis alone; the doubt about it names another place.
+    // The rod is given only its inertia about the axis; the doubt about it names another place.
     let without_doubts = |robot: Robot| Robot { doubts: Vec::new(), ..robot };
     assert_eq!((robot.doubts.len(), kept.robot().unwrap().doubts.len()), (1, 1));
     assert_eq!(without_doubts(kept.robot().unwrap()), without_doubts(robot));
@@ -263,7 +262,7 @@ fn a_missing_urdf_is_named() {
     assert!(matches!(&error, RobotError::Unreadable { path, .. } if path.ends_with("absent.urdf")), "{error}");
 }
 
-/// What is said of `TWO_JOINTS` with a line replaced, or with one more in front.
+/// The message for `TWO_JOINTS` with a line replaced, or with one more in front.
 fn message_of(line: &str, other: &str) -> String {
     let text = if line.is_empty() { format!("{other}{TWO_JOINTS}") } else { TWO_JOINTS.replace(line, other) };
     parse(&text).unwrap_err().to_string()
@@ -303,7 +302,7 @@ fn parameters_that_no_robot_has_are_refused() {
         let message = message_of("zz1 = 0.5", given);
         assert!(message.starts_with("arm.toml: ") && message.contains(found), "{given}: {message}");
     }
-    // Inertias without a mass are regrouped ones, of which no body follows.
+    // Inertias without a mass are regrouped ones and imply no body.
     assert!(parse(&TWO_JOINTS.replace("zz1 = 0.5", "zz1 = 0.5\nxx1 = 0.01\noff1 = -2\nmy1 = -1")).is_ok());
 }
 

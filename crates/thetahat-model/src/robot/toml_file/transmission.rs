@@ -3,7 +3,7 @@ use crate::robot::{Joint, JointKind, LARGEST, RobotError, Transmission};
 use thetahat_ground::{linear_algebra::Matrix, one_or_each::OneOrEach};
 
 impl Reader<'_> {
-    /// The transmission to the coordinates of `joints`; what is not given is taken from `before`.
+    /// The transmission to the coordinates of `joints`; missing entries are taken from `before`.
     pub(super) fn transmission(
         &self,
         entry: TransmissionEntry,

@@ -4,12 +4,12 @@ use roxmltree::{Document, Error, ParsingOptions};
 
 use super::{UrdfError, element::Element};
 
-/// Elements, texts and comments of the largest file.
+/// Most elements, texts and comments of a file.
 const MOST_NODES: u32 = 2_000_000;
-/// Attributes of one element, and namespaces of a file: the XML reader compares each with each.
+/// Most attributes of one element, and namespaces of a file: the XML reader compares each with each.
 const MOST_ATTRIBUTES: usize = 1000;
 const MOST_NAMESPACES: usize = 1000;
-/// Links and joints, the fixed ones included.
+/// Most links and joints, including fixed ones.
 const MOST_PARTS: usize = 4000;
 
 /// The XML of a robot's file.
@@ -43,8 +43,8 @@ pub fn parse<'a>(text: &'a str, path: &Path) -> Result<Document<'a>, UrdfError> 
     })
 }
 
-/// At least the number of attributes of the element with the most: equals signs between an angle bracket and the next
-/// that follows, outside of quotes.
+/// Upper bound of the number of attributes of any element: equals signs between an angle bracket and the next one, outside of
+/// quotes.
 fn most_attributes(text: &str) -> usize {
     let (mut most, mut here, mut quote) = (0, 0, None);
     for byte in text.bytes() {
@@ -60,7 +60,7 @@ fn most_attributes(text: &str) -> usize {
     most
 }
 
-/// The XML reader ends its messages with the position, which is named in front already.
+/// The XML reader ends its messages with the position, which our message already states.
 fn without_position(message: &str) -> String {
     message.rsplit_once(" at ").map_or(message, |(before, _)| before).to_owned()
 }

@@ -1,4 +1,4 @@
-//! What a URDF says that no robot has: masses, inertias and friction below zero, and inertias that no body has.
+//! Physically impossible values in a URDF: negative masses, inertias and friction, and inertias that no body can have.
 
 use super::{UrdfError, element::Element, joints::JointElement, links};
 use crate::robot::{
@@ -6,7 +6,7 @@ use crate::robot::{
     physical::{are_of_a_body, principal_inertias},
 };
 
-/// Part of the largest inertia that digits cut off, as in files with three of them, may take away.
+/// Fraction of the largest inertia that truncated digits may cause, for files with three digits.
 const ROUNDING: f64 = 0.01;
 
 /// The doubts about the links and joints of a file, in its order.

@@ -6,12 +6,12 @@ use super::{Place, UrdfError};
 use crate::robot::LARGEST;
 use thetahat_ground::vector::Vec3;
 
-/// Characters of a name or value that messages show.
+/// Most characters of a name or value in messages.
 const SHOWN: usize = 60;
-/// Decimals from which a rounded right angle counts as one.
+/// Number of decimals from which a rounded right angle is recognised.
 const DECIMALS: usize = 4;
 
-/// An element of a URDF that knows where it stands.
+/// An element of a URDF that knows its position in the file.
 #[derive(Clone, Copy)]
 pub(super) struct Element<'a> {
     node: Node<'a, 'a>,
@@ -39,7 +39,7 @@ impl<'a> Element<'a> {
         self.node.descendants().filter(Node::is_element).map(move |node| Self { node, ..self })
     }
 
-    /// The first child of a name: what other readers take where there are several.
+    /// The first child of a given name: other readers also use the first if there are several.
     pub(super) fn child(self, tag: &str) -> Option<Self> {
         self.elements().find(|element| element.tag() == tag)
     }
@@ -57,7 +57,7 @@ impl<'a> Element<'a> {
         value.ok_or_else(|| self.missing(&format!("attribute {key}"), remedy))
     }
 
-    /// The number in an attribute, no larger than numbers of geometry and inertia are.
+    /// The number in an attribute, within the limits of geometry and inertia.
     pub(super) fn bounded_number(self, key: &'static str) -> Result<Option<f64>, UrdfError> {
         let Some(text) = self.attribute(key) else { return Ok(None) };
         self.bounded(key, text).map(Some)
@@ -103,7 +103,7 @@ impl<'a> Element<'a> {
         if number.is_finite() { Ok(number) } else { Err(self.value(key, "a finite number", text)) }
     }
 
-    /// Refuses what only xacro understands.
+    /// Refuses xacro syntax.
     pub(super) fn check_expanded(self) -> Result<(), UrdfError> {
         let of_xacro = self.node.tag_name().namespace().is_some_and(|name| name.contains("xacro"));
         let expression = self.node.attributes().any(|a| a.value().contains("${") || a.value().contains("$("));
@@ -140,7 +140,7 @@ fn label(node: Node) -> String {
     }
 }
 
-/// So much of a text that a message stays readable.
+/// A text shortened so that a message stays readable.
 pub(super) fn shortened(text: &str) -> String {
     if text.chars().count() <= SHOWN {
         return text.to_owned();
@@ -148,7 +148,7 @@ pub(super) fn shortened(text: &str) -> String {
     text.chars().take(SHOWN).chain(['…']).collect()
 }
 
-/// The multiple of a right angle that an angle is, if it is one rounded to its last decimal.
+/// The multiple of a right angle, if the angle is one rounded to its last decimal.
 fn unrounded(value: f64, text: &str) -> f64 {
     let right = std::f64::consts::FRAC_PI_2;
     let nearest = (value / right).round() * right;
@@ -157,7 +157,7 @@ fn unrounded(value: f64, text: &str) -> f64 {
     if digits < DECIMALS || !decimals.bytes().all(|b| b.is_ascii_digit()) {
         return value;
     }
-    // Rounded or cut off: within one unit of the last decimal.
+    // Rounded or truncated: within one unit of the last decimal.
     let unit = 10f64.powi(-(digits.min(20) as i32));
     if (value - nearest).abs() <= unit && value.abs() <= 2.0 * std::f64::consts::TAU { nearest } else { value }
 }

@@ -1,6 +1,6 @@
 use std::{fmt, path::PathBuf};
 
-/// Where in a URDF something stands.
+/// A position in a URDF.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
     /// The file.
@@ -30,13 +30,13 @@ pub enum UrdfError {
         line: usize,
         /// The column, from one.
         column: usize,
-        /// What the XML reader says.
+        /// The error of the XML reader.
         problem: String,
     },
     /// The file is a xacro that has not been expanded.
     #[error("{place} is xacro that has not been expanded; run `xacro {} > robot.urdf` and use robot.urdf", place.path.display())]
     Xacro {
-        /// Where it shows.
+        /// The position of the xacro element.
         place: Place,
     },
     /// The root element is not `<robot>`.
@@ -45,14 +45,14 @@ pub enum UrdfError {
         /// The root element.
         place: Place,
     },
-    /// The file is beyond any robot.
+    /// The file is larger than any robot's.
     #[error("{}: the file has more than {limit} {what}, the most that is read", path.display())]
     TooLarge {
         /// The file.
         path: PathBuf,
-        /// What there is too much of.
+        /// The excess quantity.
         what: &'static str,
-        /// How much is read.
+        /// The largest number that is read.
         limit: usize,
     },
     /// An attribute or element is missing.
@@ -65,7 +65,7 @@ pub enum UrdfError {
         /// What to do.
         remedy: &'static str,
     },
-    /// A value is not what it must be.
+    /// A value is invalid.
     #[error("{place}: {key} is `{found}`, expected {expected}")]
     Value {
         /// The element.
@@ -86,7 +86,7 @@ pub enum UrdfError {
         kind: &'static str,
         /// The name.
         name: String,
-        /// A name that differs little, if there is one.
+        /// A similar name, if there is one.
         similar: Option<String>,
     },
     /// Two links or two joints have one name.
@@ -118,7 +118,7 @@ pub enum UrdfError {
         /// The joints of the cycle.
         joints: Vec<String>,
     },
-    /// Several links, or none, are nobody's child.
+    /// Several links, or none, have no parent.
     #[error(
         "{place} is nobody's child, as is `{first}` in line {first_line}; exactly one link is the base: join the two with a \
          joint of type fixed, or remove one"
@@ -131,7 +131,7 @@ pub enum UrdfError {
         /// Its line.
         first_line: usize,
     },
-    /// There is nothing to identify.
+    /// No joint moves.
     #[error("{}: no joint of this URDF moves; at least one must be revolute, continuous or prismatic", path.display())]
     NoMovingJoint {
         /// The file.
@@ -147,7 +147,7 @@ pub enum UrdfError {
         /// What is supported, or why not.
         why: &'static str,
     },
-    /// A joint cannot follow the one that it names.
+    /// A joint cannot follow the one it names.
     #[error("{place} cannot follow `{joint}`: {problem}")]
     Mimic {
         /// The `<mimic>`.

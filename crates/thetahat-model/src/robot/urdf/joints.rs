@@ -5,7 +5,7 @@ use thetahat_ground::vector::{IDENTITY, Mat3, norm, scale, with_z};
 /// An axis shorter than this has no direction.
 const SHORTEST_AXIS: f64 = 1e-9;
 
-/// A `<joint>` as it stands in the file.
+/// A `<joint>` as read from the file.
 pub(super) struct JointElement<'a> {
     pub(super) element: Element<'a>,
     pub(super) name: &'a str,
@@ -17,7 +17,7 @@ pub(super) struct JointElement<'a> {
     pub(super) moving: Option<Moving<'a>>,
 }
 
-/// What a joint has that moves.
+/// The properties of a moving joint.
 pub(super) struct Moving<'a> {
     pub(super) kind: JointKind,
     /// From the joint's frame, whose z axis is the axis, to the link's frame.
@@ -71,7 +71,7 @@ impl<'a> Moving<'a> {
         }))
     }
 
-    /// Whether the joint's frame is the link's.
+    /// Whether the joint's frame differs from the link's.
     pub(super) fn has_link_axes(&self) -> bool {
         self.axes == IDENTITY
     }

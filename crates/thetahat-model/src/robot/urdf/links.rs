@@ -1,8 +1,8 @@
 use super::{UrdfError, element::Element};
-use crate::robot::body::{Body, Frame};
+use crate::robot::body::{Frame, RigidBody};
 use thetahat_ground::vector::{Mat3, Vec3};
 
-/// The `<origin>` of an element; what is not given is zero.
+/// The `<origin>` of an element; missing entries are zero.
 pub(super) fn origin_of(element: Element<'_>) -> Result<Frame, UrdfError> {
     let Some(origin) = element.child("origin") else { return Ok(Frame::SAME) };
     let xyz = origin.vector("xyz")?.unwrap_or_default();
@@ -22,15 +22,15 @@ pub fn roll_pitch_yaw([roll, pitch, yaw]: Vec3) -> Mat3 {
 }
 
 /// The `<inertial>` of a link, about the origin of the link's frame; zero without one.
-pub(super) fn body_of(link: Element<'_>) -> Result<Body, UrdfError> {
+pub(super) fn body_of(link: Element<'_>) -> Result<RigidBody, UrdfError> {
     match inertial_of(link)? {
         Some((inertial, body)) => Ok(body.seen_in(&origin_of(inertial)?)),
-        None => Ok(Body::default()),
+        None => Ok(RigidBody::default()),
     }
 }
 
-/// The `<inertial>` of a link, if it has one, with the body that it describes about its own origin.
-pub(super) fn inertial_of<'a>(link: Element<'a>) -> Result<Option<(Element<'a>, Body)>, UrdfError> {
+/// The `<inertial>` of a link, if it has one, with the body it describes about its own origin.
+pub(super) fn inertial_of<'a>(link: Element<'a>) -> Result<Option<(Element<'a>, RigidBody)>, UrdfError> {
     let Some(inertial) = link.child("inertial") else { return Ok(None) };
     let remedy = "give it, or leave out the whole <inertial>";
     let mass = inertial.required_child("mass", remedy)?;
@@ -40,7 +40,7 @@ pub(super) fn inertial_of<'a>(link: Element<'a>) -> Result<Option<(Element<'a>, 
     let (xx, xy, xz) = (entry("ixx")?, entry("ixy")?, entry("ixz")?);
     let (yy, yz, zz) = (entry("iyy")?, entry("iyz")?, entry("izz")?);
     let inertia = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
-    Ok(Some((inertial, Body { m, ms: [0.0; 3], inertia })))
+    Ok(Some((inertial, RigidBody { m, ms: [0.0; 3], inertia })))
 }
 
 fn required_number(element: Element<'_>, key: &'static str, remedy: &'static str) -> Result<f64, UrdfError> {

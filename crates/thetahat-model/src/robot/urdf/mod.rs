@@ -1,13 +1,13 @@
 //! Robots from URDF, the format of ROS (<https://docs.ros.org/en/rolling/p/urdfdom>).
 //!
-//! Read are links with their `<inertial>`, joints of the types revolute, continuous, prismatic and fixed with `<origin>`,
-//! `<axis>`, `<limit>`, `<dynamics>` and `<mimic>`, and the `<mechanicalReduction>` of each `<transmission>`. A link that is
-//! fixed to another is lumped into it. Collision shapes
-//! are read where a design asks for them. Everything else, as looks and simulators' tags, is passed over.
+//! The reader uses links with their `<inertial>`, joints of the types revolute, continuous, prismatic and fixed with
+//! `<origin>`, `<axis>`, `<limit>`, `<dynamics>` and `<mimic>`, and the `<mechanicalReduction>` of each `<transmission>`. A
+//! link that is fixed to another is merged into it. Collision shapes are read if a design needs them. Everything else, such as
+//! appearance and tags of simulators, is skipped.
 //!
 //! The inertial parameters of a robot from URDF refer to the axes and the origin of each link's frame, whatever the
 //! axis of the joint. An angle that is a multiple of a right angle rounded to four decimals or more, such as 1.5708, is
-//! taken as that multiple: otherwise parallel axes would not be parallel, and dependent parameters would count as
+//! interpreted as that multiple: otherwise parallel axes would not be parallel, and dependent parameters would count as
 //! independent.
 
 mod document;

@@ -6,12 +6,12 @@ use super::{
     joints::{JointElement, Moving},
     links,
     shapes::{Solid, shapes_of},
-    structure::{Structure, unknown},
+    structure::{LinkPair, Structure, unknown},
     transmissions,
 };
 use crate::robot::{
     Friction, INERTIAL, Joint, MOST_JOINTS, Mimic, Placement, Robot, RobotError, Transmission,
-    body::{Body, Frame},
+    body::{Frame, RigidBody},
     locking::{LocksOf, resolve_all},
     tree,
 };
@@ -23,17 +23,17 @@ use thetahat_ground::{
 /// Acceleration of gravity in the frame of the root link, m/s^2.
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
-/// Whether the file's transmissions hold.
+/// Whether the file's transmissions are used.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(in crate::robot) enum Transmissions {
     /// Their reductions are the diagonal of the transmission matrix.
     Read,
-    /// Another transmission matrix takes their place.
+    /// Another transmission matrix replaces them.
     Ignored,
 }
 
-/// The robot of a URDF; `path` is its name in messages. No joint is locked yet: `locks` say whose transmissions do not
-/// matter.
+/// The robot of a URDF; `path` is its name in messages. No joint is locked yet: `locks` lists joints whose transmissions are
+/// ignored.
 ///
 /// # Errors
 /// [`UrdfError`] with file, line and element; [`RobotError::Lock`] for joints that cannot be locked.
@@ -49,7 +49,8 @@ pub(in crate::robot) fn read(
     let structure = Structure::read(element)?;
     let mut assembly = Assembly::new(&structure);
     for &joint in &structure.order {
-        assembly.add(&structure.joints[joint], structure.ends[joint])?;
+        let LinkPair { parent, child } = structure.ends[joint];
+        assembly.add(&structure.joints[joint], parent, child)?;
     }
     if assembly.joints.len() > MOST_JOINTS {
         let path = path.to_owned();
@@ -75,16 +76,16 @@ pub(in crate::robot) fn read(
     })
 }
 
-/// A link of a URDF with the body that it is.
+/// A link of a URDF with its rigid body.
 pub(in crate::robot) struct LinkBody {
     pub(in crate::robot) name: String,
-    /// The moving joint that carries it, by its index in the robot without locks; none for what stands on the base.
+    /// The moving joint that carries it, by its index in the robot without locks; none for links on the base.
     pub(in crate::robot) carrier: Option<usize>,
-    /// Whether it is the link behind that joint itself.
+    /// Whether it is the link of that joint itself.
     pub(in crate::robot) is_carrier: bool,
-    /// Its frame in that of the link behind the joint.
+    /// Its frame relative to that of the joint's link.
     pub(in crate::robot) frame: Frame,
-    pub(in crate::robot) body: Body,
+    pub(in crate::robot) body: RigidBody,
     /// Its collision shapes in its frame; none for the solid of a mesh.
     pub(in crate::robot) shapes: Vec<(Frame, Option<Solid>)>,
 }
@@ -98,10 +99,12 @@ pub(in crate::robot) fn link_bodies(text: &str, path: &Path) -> Result<Vec<LinkB
     let structure = Structure::read(document::robot(&document, path)?)?;
     let mut assembly = Assembly::new(&structure);
     for &joint in &structure.order {
-        assembly.add(&structure.joints[joint], structure.ends[joint])?;
+        let LinkPair { parent, child } = structure.ends[joint];
+        assembly.add(&structure.joints[joint], parent, child)?;
     }
-    let moved =
-        |link: usize| structure.ends.iter().zip(&structure.joints).any(|(e, j)| e.1 == link && j.moving.is_some());
+    let moved = |link: usize| {
+        structure.ends.iter().zip(&structure.joints).any(|(pair, j)| pair.child == link && j.moving.is_some())
+    };
     let link = |(k, element): (usize, &Element<'_>)| {
         let place = assembly.places[k].unwrap_or(LinkPlace { carrier: None, frame: Frame::SAME });
         Ok(LinkBody {
@@ -116,15 +119,15 @@ pub(in crate::robot) fn link_bodies(text: &str, path: &Path) -> Result<Vec<LinkB
     structure.links.iter().enumerate().map(link).collect()
 }
 
-/// The robot as it grows from the base, joint by joint.
+/// The robot under construction, from the base, joint by joint.
 struct Assembly<'s, 'a> {
     links: &'s [Element<'a>],
-    /// Where each link went, once it is reached.
+    /// The carrier of each link, once it is reached.
     places: Vec<Option<LinkPlace>>,
     joints: Vec<Joint>,
     moving: Vec<&'s Moving<'a>>,
-    /// The link behind each joint, with all that is fixed to it.
-    bodies: Vec<Body>,
+    /// The body of each joint's link, with everything fixed to it.
+    bodies: Vec<RigidBody>,
 }
 
 /// The moving joint that carries a link, none for the base, and the link's frame in the frame of the carrier's own
@@ -144,7 +147,7 @@ impl<'s, 'a> Assembly<'s, 'a> {
         Self { links: &structure.links, places, joints: Vec::new(), moving: Vec::new(), bodies: Vec::new() }
     }
 
-    fn add(&mut self, joint: &'s JointElement<'a>, (parent, child): (usize, usize)) -> Result<(), UrdfError> {
+    fn add(&mut self, joint: &'s JointElement<'a>, parent: usize, child: usize) -> Result<(), UrdfError> {
         let Some(LinkPlace { carrier, frame }) = self.places[parent] else { return Ok(()) };
         let frame = frame.then(&joint.frame);
         let body = links::body_of(self.links[child])?;
@@ -165,7 +168,7 @@ impl<'s, 'a> Assembly<'s, 'a> {
         Ok(())
     }
 
-    /// The joint's frame is the link's turned so that z is the axis, and so is the frame of its carrier.
+    /// The joint's frame is the link's, rotated so that z is the axis; so is the frame of its carrier.
     fn joint(&self, name: &str, moving: &Moving<'a>, carrier: Option<usize>, frame: &Frame) -> Joint {
         let rotation = product(&frame.rotation, &moving.axes);
         let (rotation, origin) = match carrier.and_then(|c| self.joints[c].link_axes) {
@@ -183,7 +186,7 @@ impl<'s, 'a> Assembly<'s, 'a> {
         }
     }
 
-    /// Lets the joints with a `<mimic>` follow theirs.
+    /// Resolves the `<mimic>` of joints.
     fn follow(&mut self) -> Result<(), UrdfError> {
         let mimics = self.moving.iter().map(|m| self.mimic(m)).collect::<Result<Vec<_>, _>>()?;
         let resolved = tree::resolve_mimics(&mimics).map_err(|joint| self.follows_itself(joint))?;

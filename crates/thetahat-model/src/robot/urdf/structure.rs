@@ -3,18 +3,25 @@ use std::collections::HashMap;
 use super::{UrdfError, element::Element, joints::JointElement};
 use crate::robot::tree;
 
-/// Edits between two names that are taken for a slip.
+/// Largest number of edits between two names that counts as a typing error.
 const SLIP: usize = 2;
+
+/// The two links of a joint, by their indices.
+#[derive(Clone, Copy)]
+pub(super) struct LinkPair {
+    pub(super) parent: usize,
+    pub(super) child: usize,
+}
 
 /// The links and joints of a file as a tree.
 pub(super) struct Structure<'a> {
     pub(super) links: Vec<Element<'a>>,
     pub(super) joints: Vec<JointElement<'a>>,
     /// Parent and child link of each joint.
-    pub(super) ends: Vec<(usize, usize)>,
-    /// The joints, those nearer to the base before, depth first in the order of the file.
+    pub(super) ends: Vec<LinkPair>,
+    /// The joints, those nearer to the base first, depth first in the order of the file.
     pub(super) order: Vec<usize>,
-    /// The link that is nobody's child.
+    /// The link without a parent.
     pub(super) root: usize,
 }
 
@@ -29,20 +36,22 @@ impl<'a> Structure<'a> {
             Some(&index) => Ok(index),
             None => Err(unknown(joint.element.child(tag).unwrap_or(joint.element), "link", name, link_names.keys())),
         };
-        let ends = joints.iter().map(|j| Ok((link(j, "parent", j.parent)?, link(j, "child", j.child)?)));
+        let ends = joints
+            .iter()
+            .map(|j| Ok(LinkPair { parent: link(j, "parent", j.parent)?, child: link(j, "child", j.child)? }));
         let ends = ends.collect::<Result<Vec<_>, UrdfError>>()?;
         if joints.iter().all(|joint| joint.moving.is_none()) {
             return Err(UrdfError::NoMovingJoint { path: robot.path().to_owned() });
         }
         let parent_joint = parent_joints(&links, &joints, &ends)?;
-        let parents: Vec<Option<usize>> = ends.iter().map(|(parent, _)| parent_joint[*parent]).collect();
+        let parents: Vec<Option<usize>> = ends.iter().map(|pair| parent_joint[pair.parent]).collect();
         let order = tree::depth_first(&parents).map_err(|found| cycle(&joints, &found))?;
         let root = only_root(&links, &parent_joint)?.unwrap_or(0);
         Ok(Self { links, joints, ends, order, root })
     }
 }
 
-/// The index of each name, which no two elements share.
+/// The index of each name, which must be unique.
 fn names<'a>(elements: &[Element<'a>]) -> Result<HashMap<&'a str, usize>, UrdfError> {
     let mut names = HashMap::new();
     for (index, element) in elements.iter().enumerate() {
@@ -54,14 +63,14 @@ fn names<'a>(elements: &[Element<'a>]) -> Result<HashMap<&'a str, usize>, UrdfEr
     Ok(names)
 }
 
-/// The joint whose child each link is.
+/// The parent joint of each link.
 fn parent_joints(
     links: &[Element<'_>],
     joints: &[JointElement<'_>],
-    ends: &[(usize, usize)],
+    ends: &[LinkPair],
 ) -> Result<Vec<Option<usize>>, UrdfError> {
     let mut parent_joint: Vec<Option<usize>> = vec![None; links.len()];
-    for (joint, &(_, child)) in ends.iter().enumerate() {
+    for (joint, &LinkPair { child, .. }) in ends.iter().enumerate() {
         if let Some(other) = parent_joint[child].replace(joint) {
             let name = joints[other].name.to_owned();
             return Err(UrdfError::TwoParents {
@@ -87,7 +96,7 @@ fn only_root(links: &[Element<'_>], parent_joint: &[Option<usize>]) -> Result<Op
     }
 }
 
-/// The error of a cycle, which is found from child to parent and read from parent to child.
+/// The error of a cycle, which is found from child to parent and reported from parent to child.
 fn cycle(joints: &[JointElement<'_>], cycle: &[usize]) -> UrdfError {
     let first = cycle.first().copied().unwrap_or(0);
     let downward = cycle.first().into_iter().chain(cycle.iter().rev());
@@ -95,7 +104,7 @@ fn cycle(joints: &[JointElement<'_>], cycle: &[usize]) -> UrdfError {
     UrdfError::Cycle { place: joints[first].element.place(), joints: downward.map(name).collect() }
 }
 
-/// The error of a name that is none of the `known`.
+/// The error of a name that is not among the `known` ones.
 pub(super) fn unknown<'n>(
     element: Element<'_>,
     kind: &'static str,
@@ -108,7 +117,7 @@ pub(super) fn unknown<'n>(
     UrdfError::UnknownName { place: element.place(), kind, name: super::element::shortened(name), similar }
 }
 
-/// Letters to change, insert or leave out between two names; long names count as far apart.
+/// Number of letters to change, insert or remove between two names; long names count as far apart.
 fn edits(a: &str, b: &str) -> usize {
     const LONGEST: usize = 200;
     if a.len() > LONGEST || b.len() > LONGEST || a.len().abs_diff(b.len()) > SLIP {

@@ -66,7 +66,7 @@ fn changed(from: &str, to: &str) -> Robot {
     read(&ARM.replacen(from, to, 1)).unwrap()
 }
 
-/// Whether the message has these words, and the place that line.
+/// Checks that the message contains these words and the place that line.
 fn says(error: &UrdfError, words: &[&str]) {
     let message = error.to_string();
     words.iter().for_each(|word| assert!(message.contains(word), "`{word}` is not in: {message}"));
@@ -317,7 +317,7 @@ fn deep_nesting_does_not_overflow_the_stack() {
     assert!(read(&ARM.replace("<link name=\"base\"/>", &format!("{deep}<link name=\"base\"/>"))).is_ok());
 }
 
-/// Bytes changed, pieces left out, doubled or moved: whatever comes out is read or refused.
+/// Changed bytes, removed, doubled or moved pieces: the result is read or refused.
 #[test]
 fn mutilated_files_are_read_or_refused() {
     use rand::{RngExt, SeedableRng};

@@ -1,6 +1,6 @@
 use super::{UrdfError, element::Element, structure};
 
-/// The reduction of each joint named, one where none is given. Transmissions whose joints are all locked do not matter.
+/// The reduction of each joint named, one if none is given. Transmissions whose joints are all locked are ignored.
 pub(super) fn reductions(
     robot: Element<'_>,
     joints: &[&str],
@@ -35,7 +35,7 @@ fn refuse_coupling_with_locked(transmission: Element<'_>, is_locked: &dyn Fn(&st
     }
 }
 
-/// The one joint of a transmission; transmissions of old files that drive no joint are passed over.
+/// The one joint of a transmission; transmissions of old files that drive no joint are skipped.
 fn joint_of(transmission: Element<'_>) -> Result<Option<(&str, Element<'_>)>, UrdfError> {
     let count = |tag: &str| transmission.elements().filter(|e| e.tag() == tag).count();
     if count("joint") > 1 || count("actuator") > 1 {
@@ -46,7 +46,7 @@ fn joint_of(transmission: Element<'_>) -> Result<Option<(&str, Element<'_>)>, Ur
     Ok(Some((joint.required("name", "name the joint of the transmission")?, joint)))
 }
 
-/// `<mechanicalReduction>` of the actuator, or where older files have it: of the joint, or of the transmission itself.
+/// `<mechanicalReduction>` of the actuator, or, as in older files, of the joint or the transmission itself.
 fn reduction(transmission: Element<'_>) -> Result<Option<f64>, UrdfError> {
     let owners = [transmission.child("actuator"), transmission.child("joint"), Some(transmission)];
     let element = owners.into_iter().flatten().find_map(|owner| owner.child("mechanicalReduction"));

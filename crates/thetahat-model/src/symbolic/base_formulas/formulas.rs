@@ -14,10 +14,10 @@ use crate::{
     symbolic::snapping::snapped,
 };
 
-/// Distance from a whole number, or from nothing, within which a coefficient is meant to be it.
+/// Distance from an integer, or from zero, within which a coefficient is replaced by it.
 const ROUNDING: f64 = 1e-8;
 
-/// A name of the geometry.
+/// A symbol of the geometry.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GeometrySymbol {
     /// Such as `d3`, or `s_alpha3` for a sine.
@@ -31,9 +31,9 @@ pub struct GeometrySymbol {
 pub struct BaseFormula {
     /// Its name.
     pub name: String,
-    /// Its formula in standard parameters and names of the geometry.
+    /// Its formula in standard parameters and symbols of the geometry.
     pub expression: String,
-    /// Index and coefficient of each standard parameter, with the values of the geometry.
+    /// Index and coefficient of each standard parameter, with the geometry's values inserted.
     pub coefficients: Vec<(usize, f64)>,
 }
 
@@ -42,15 +42,15 @@ pub struct BaseFormula {
 pub struct BaseFormulas {
     /// The base parameters in order.
     pub parameters: Vec<BaseFormula>,
-    /// The names of the geometry that are in them.
+    /// The symbols of the geometry that occur in them.
     pub symbols: Vec<GeometrySymbol>,
 }
 
 impl BaseFormulas {
-    /// The formulas of a robot, whose right angles and zeros are taken as exact.
+    /// The formulas of a robot, whose right angles and zeros are treated as exact.
     ///
     /// # Errors
-    /// [`BaseParametersError`] where the base parameters are not clear.
+    /// [`BaseParametersError`] if the base parameters are not unique.
     pub fn of(robot: &Robot) -> Result<Self, BaseParametersError> {
         let robot = snapped(robot).0;
         let model = Model::new(&robot);
@@ -74,7 +74,7 @@ impl BaseFormulas {
     }
 }
 
-/// What each standard parameter of a link is after the rules.
+/// The expression of each standard parameter of a link after the rules.
 struct Rules {
     by_index: BTreeMap<usize, Form>,
 }
@@ -90,7 +90,7 @@ impl Rules {
         Self { by_index }
     }
 
-    /// A base parameter: its numeric regrouping, of what the rules leave.
+    /// A base parameter: its numeric regrouping applied to the result of the rules.
     fn form(&self, parameter: &BaseParameter) -> Form {
         let mut form = Form::new();
         for (index, coefficient) in std::iter::once((parameter.kept, 1.0)).chain(parameter.regrouped.iter().copied()) {
@@ -103,7 +103,7 @@ impl Rules {
     }
 }
 
-/// A whole number where it is one but for rounding.
+/// An integer if the coefficient is one except for rounding.
 fn meant(coefficient: f64) -> f64 {
     let whole = coefficient.round();
     if (coefficient - whole).abs() < ROUNDING { whole } else { coefficient }

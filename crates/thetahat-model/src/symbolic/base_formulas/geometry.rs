@@ -16,19 +16,19 @@ pub(super) type Matrix = [Vector; 3];
 pub(super) struct Joint {
     pub(super) kind: JointKind,
     pub(super) parent: Option<usize>,
-    /// Its rotation to the frame before, that of a revolute joint without its turn.
+    /// Its rotation to the frame before; for a revolute joint without its own turn.
     pub(super) rotation: Matrix,
     pub(super) origin: Vector,
 }
 
-/// Names of what the geometry has, with their values in m, or as sines and cosines.
+/// Symbols of the geometry, with their values in m, or as sines and cosines.
 #[derive(Debug, Default)]
 pub(super) struct Symbols {
     pub(super) values: BTreeMap<String, f64>,
 }
 
 impl Symbols {
-    /// A symbol, or nothing where the value is zero.
+    /// A symbol, or zero if the value is zero.
     fn named(&mut self, name: String, value: f64) -> Polynomial {
         if value == 0.0 {
             return Polynomial::default();
@@ -37,7 +37,7 @@ impl Symbols {
         Polynomial::symbol(name)
     }
 
-    /// Sine and cosine, as numbers where they are 0, 1 or -1.
+    /// Sine and cosine, as numbers if they are 0, 1 or -1.
     fn sine_and_cosine(&mut self, angle: f64, name: &str) -> [Polynomial; 2] {
         let (s, c) = exact_sin_cos(angle);
         if s == 0.0 || c == 0.0 {
@@ -68,7 +68,7 @@ pub(super) fn joints(robot: &Robot) -> (Vec<Joint>, Symbols) {
     (joints.collect(), symbols)
 }
 
-/// `a` along x and `d` along the axis where gamma is zero and that is all; else the three lengths.
+/// `a` along x and `d` along the axis if gamma is zero and there is no other offset; otherwise the three lengths.
 fn origin_in_symbols(
     origin: [f64; 3],
     angles: [f64; 2],

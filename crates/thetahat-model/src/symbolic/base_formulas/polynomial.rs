@@ -3,7 +3,7 @@ use std::{
     ops::{AddAssign, Mul},
 };
 
-/// Part of a term below which it is rounding.
+/// Fraction of a term below which it is rounding.
 const NEGLIGIBLE: f64 = 1e-12;
 
 /// A sum of products of symbols: the factor of each product, by its symbols in order.
@@ -34,7 +34,7 @@ impl Polynomial {
         self * &Self::number(factor)
     }
 
-    /// Its value, of the values of its symbols.
+    /// Its value, given the values of its symbols.
     pub(super) fn value(&self, of: &impl Fn(&str) -> f64) -> f64 {
         self.terms.iter().map(|(symbols, factor)| factor * symbols.iter().map(|name| of(name)).product::<f64>()).sum()
     }
@@ -43,7 +43,7 @@ impl Polynomial {
         self.terms.keys().flatten()
     }
 
-    /// As a factor: sign, and text that is empty where it is one.
+    /// The polynomial as a factor: sign, and text that is empty if it is one.
     pub(super) fn factor(&self) -> (char, String) {
         let single = self.terms.len() == 1;
         let is_negative = self.terms.values().next().is_some_and(|factor| *factor < 0.0);

@@ -1,4 +1,4 @@
-//! Standard parameters taken to others with the same torques.
+//! Transforms standard parameters to others with the same torques.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use thetahat_ground::vector::Mat3;
 
 /// Rows and columns of the inertia in the order of [`INERTIAL`].
 const INERTIA: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
-/// Part of a direction below which it is rounding.
+/// Fraction of a direction below which it is rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// A sum of standard parameters, by their index in the table.
@@ -19,7 +19,7 @@ pub(super) type Form = BTreeMap<usize, Polynomial>;
 /// The inertial parameters of a link as sums of standard ones, in the link's own axes.
 pub(super) type LinkForms = [Form; 10];
 
-/// What the rules make of the inertial parameters of each link.
+/// The inertial parameters of each link after the rules.
 pub(super) fn regrouped(robot: &Robot, table: &ParameterTable, joints: &[Joint]) -> Vec<LinkForms> {
     let own = |link: usize| {
         INERTIAL.map(|quantity| {
@@ -31,8 +31,8 @@ pub(super) fn regrouped(robot: &Robot, table: &ParameterTable, joints: &[Joint])
     let axes = |link: usize| robot.joints[link].link_axes.unwrap_or(thetahat_ground::vector::IDENTITY);
     for (j, joint) in joints.iter().enumerate().rev() {
         let moved = match joint.kind {
-            JointKind::Revolute => axis_moved(&mut links[j], &axes(j), joint),
-            JointKind::Prismatic => inertia_moved(&mut links[j], &axes(j), joint),
+            JointKind::Revolute => transfer_axis(&mut links[j], &axes(j), joint),
+            JointKind::Prismatic => transfer_inertia(&mut links[j], &axes(j), joint),
         };
         if let Some(parent) = joint.parent {
             add_in_axes(&mut links[parent], &axes(parent), &moved);
@@ -41,30 +41,31 @@ pub(super) fn regrouped(robot: &Robot, table: &ParameterTable, joints: &[Joint])
     links
 }
 
-/// Second moments, first moments and mass, each a sum of standard parameters, in the frame before a joint.
+/// The inertial parameters that a link transfers to the link before, each a sum of standard parameters, in the frame before a
+/// joint.
 #[derive(Default)]
-struct ShiftedForm {
+struct TransferredInertia {
     inertia: [[Form; 3]; 3],
     first: [Form; 3],
     mass: Form,
 }
 
-/// Takes from a link what stands on the axis of its revolute joint: of the parameters that it changes, the last one goes.
-fn axis_moved(link: &mut LinkForms, axes: &Mat3, joint: &Joint) -> ShiftedForm {
+/// Removes the mass on the axis of a link's revolute joint: of the parameters that it changes, the last one becomes zero.
+fn transfer_axis(link: &mut LinkForms, axes: &Mat3, joint: &Joint) -> TransferredInertia {
     // The joint's z axis in the axes of the link.
     let u = axes[2];
     let turning = INERTIA.map(|(i, j)| if i == j { 1.0 - u[i] * u[j] } else { -u[i] * u[j] });
     let (second, rest) = link.split_at_mut(6);
     let (first, mass) = rest.split_at_mut(3);
-    let second = taken(second, &turning);
-    let first = taken(first, &u);
+    let second = eliminate_last(second, &turning);
+    let first = eliminate_last(first, &u);
     let mass = std::mem::take(&mut mass[0]);
     let axis = [0, 1, 2].map(|i| joint.rotation[i][2].clone());
     on_axis(&second, &first, &mass, &axis, &joint.origin)
 }
 
-/// Takes so much of a direction from parameters that the last of them is zero, and says how much.
-fn taken(parameters: &mut [Form], direction: &[f64]) -> Form {
+/// Subtracts the multiple of a direction that makes the last parameter zero, and returns the factor.
+fn eliminate_last(parameters: &mut [Form], direction: &[f64]) -> Form {
     let last = direction.iter().rposition(|part| part.abs() > ROUNDING).unwrap_or(0);
     let amount = scaled(&parameters[last], &Polynomial::number(1.0 / direction[last]));
     for (parameter, part) in parameters.iter_mut().zip(direction).filter(|(_, part)| part.abs() > ROUNDING) {
@@ -76,8 +77,8 @@ fn taken(parameters: &mut [Form], direction: &[f64]) -> Form {
 
 /// Second moment, first moment and mass on an axis through `p`, about the origin: `L = s a a^T + f (p a^T + a p^T) + m p p^T`,
 /// whose inertia is `tr(L) 1 - L`.
-fn on_axis(second: &Form, first: &Form, mass: &Form, axis: &Vector, p: &Vector) -> ShiftedForm {
-    let mut moved = ShiftedForm { mass: mass.clone(), ..ShiftedForm::default() };
+fn on_axis(second: &Form, first: &Form, mass: &Form, axis: &Vector, p: &Vector) -> TransferredInertia {
+    let mut moved = TransferredInertia { mass: mass.clone(), ..TransferredInertia::default() };
     add_product(&mut moved.inertia, second, axis, axis);
     add_product(&mut moved.inertia, first, p, axis);
     add_product(&mut moved.inertia, first, axis, p);
@@ -101,8 +102,8 @@ fn add_product(inertia: &mut [[Form; 3]; 3], form: &Form, a: &Vector, b: &Vector
     }
 }
 
-/// Takes the whole inertia from a link that slides.
-fn inertia_moved(link: &mut LinkForms, axes: &Mat3, joint: &Joint) -> ShiftedForm {
+/// Removes the whole inertia of a link on a prismatic joint.
+fn transfer_inertia(link: &mut LinkForms, axes: &Mat3, joint: &Joint) -> TransferredInertia {
     let mut inertia: [[Form; 3]; 3] = Default::default();
     for ((i, j), form) in INERTIA.into_iter().zip(&mut link[..6]) {
         inertia[i][j] = std::mem::take(form);
@@ -110,7 +111,7 @@ fn inertia_moved(link: &mut LinkForms, axes: &Mat3, joint: &Joint) -> ShiftedFor
     }
     let axes = axes.map(|row| row.map(Polynomial::number));
     let rotation = super::geometry::product(&joint.rotation, &axes);
-    ShiftedForm { inertia: turned(&rotation, &inertia), ..ShiftedForm::default() }
+    TransferredInertia { inertia: turned(&rotation, &inertia), ..TransferredInertia::default() }
 }
 
 /// `R J R^T`.
@@ -126,8 +127,8 @@ fn turned(r: &Matrix, inertia: &[[Form; 3]; 3]) -> [[Form; 3]; 3] {
     turned
 }
 
-/// Adds to a link what stands in the frame of its joint.
-fn add_in_axes(link: &mut LinkForms, axes: &Mat3, moved: &ShiftedForm) {
+/// Adds inertial parameters given in the frame of a link's joint to the link.
+fn add_in_axes(link: &mut LinkForms, axes: &Mat3, moved: &TransferredInertia) {
     let back = thetahat_ground::vector::transpose(axes).map(|row| row.map(Polynomial::number));
     let inertia = turned(&back, &moved.inertia);
     let one = Polynomial::number(1.0);
@@ -146,7 +147,7 @@ fn scaled(form: &Form, factor: &Polynomial) -> Form {
     result
 }
 
-/// Adds a multiple of a sum.
+/// Adds a multiple of a form.
 pub(super) fn add(to: &mut Form, form: &Form, factor: &Polynomial) {
     if factor.is_zero() {
         return;

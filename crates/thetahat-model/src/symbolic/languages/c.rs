@@ -8,7 +8,7 @@ use super::{
 };
 use crate::robot::MathFunction;
 
-/// What every file begins with. The macros can be defined before.
+/// The beginning of every file. The macros can be predefined.
 const PRELUDE: &str = "\
 #include <stddef.h>
 
@@ -257,7 +257,7 @@ impl File<'_> {
         text + "}\n\n"
     }
 
-    /// Inputs on which nothing depends.
+    /// Unused inputs.
     fn unused(&self) -> impl Iterator<Item = &'static str> {
         let unused = |array: &&Array| self.function.program.length_of(**array) == 0;
         self.function.model.inputs().iter().filter(unused).map(|array| array_name(*array))

@@ -1,4 +1,4 @@
-//! Names of functions beside sine and cosine.
+//! Names of functions other than sine and cosine.
 
 use crate::robot::MathFunction;
 

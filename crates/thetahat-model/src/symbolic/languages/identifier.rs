@@ -1,11 +1,11 @@
-//! Names that every language can have.
+//! Identifiers that are valid in every language.
 
 use super::super::error::SymbolicError;
 
-/// Longest name that is used: MATLAB takes 63 letters, and the longest model's name is put behind it.
+/// Longest prefix: MATLAB allows 63 letters, and the longest model's name is appended.
 const LONGEST: usize = 44;
 
-/// What the names of a robot's functions begin with: the name given, or what can be made of the robot's.
+/// The prefix of a robot's functions: the given name, or one derived from the robot's.
 pub(super) fn prefix(robot: &str, given: Option<&str>) -> Result<String, SymbolicError> {
     match given {
         Some(name) if is_identifier(name) => Ok(name.to_owned()),

@@ -1,4 +1,4 @@
-//! LaTeX: equations for a paper, with what is used once written where it is used.
+//! LaTeX: equations for a paper; expressions that are used once are written in place.
 
 use std::collections::HashMap;
 
@@ -15,10 +15,10 @@ use super::{
     functions::in_latex,
 };
 
-/// Longest expression that is written where it is used, in characters.
+/// Longest expression that is written in place, in characters.
 const LONGEST: usize = 160;
 
-/// How strongly an expression holds together.
+/// Binding strength of an expression.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Strength {
     Sum,
@@ -38,7 +38,7 @@ impl Text {
         Self { text, strength: Strength::Atom }
     }
 
-    /// In parentheses where it holds together less than is needed.
+    /// In parentheses if it binds less than required.
     fn at_least(&self, strength: Strength) -> String {
         if self.strength < strength { format!("\\left({}\\right)", self.text) } else { self.text.clone() }
     }
@@ -69,7 +69,7 @@ fn signed(texts: &HashMap<usize, Text>, function: &Function, operand: Operand) -
     if operand.negative { format!("-{}", text.at_least(Strength::Product)) } else { text.text }
 }
 
-/// Goes through the operations and decides which get a name.
+/// Writes the operations and decides which get a name.
 struct Writer<'a> {
     function: &'a Function,
     uses: Vec<usize>,
@@ -124,7 +124,7 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// A root and a power as they are usual, any other function by its name.
+/// Roots and powers in their usual notation, any other function by its name.
 fn called(function: MathFunction, arguments: &[String]) -> String {
     match (function, arguments) {
         (MathFunction::SquareRoot, [argument]) => format!("\\sqrt{{{argument}}}"),

@@ -25,7 +25,7 @@ impl Syntax for Matlab {
         }
     }
 
-    /// All statements are in one function, and none is kept apart.
+    /// All statements are in one function; no constants are separate.
     fn constant(&self, place: usize) -> String {
         format!("constants({})", place + 1)
     }

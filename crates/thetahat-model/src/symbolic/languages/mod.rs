@@ -15,7 +15,7 @@ use super::{error::SymbolicError, model::Function};
 /// A language that code is generated in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Language {
-    /// C99, freestanding but for sine and cosine.
+    /// C99, freestanding except for sine and cosine.
     C,
     /// Rust without the standard library.
     Rust,

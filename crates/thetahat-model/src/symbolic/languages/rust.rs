@@ -1,4 +1,4 @@
-//! Rust without the standard library: a module with single calls and batches. `core` has no sine, so callers hand one in.
+//! Rust without the standard library: a module with single calls and batches. `core` has no sine, so callers pass one.
 
 use super::{
     super::{graph::Array, model::Function},
@@ -105,7 +105,7 @@ impl File<'_> {
         format!("{}_CONSTANTS", self.name.to_uppercase())
     }
 
-    /// What follows the inputs in both calls.
+    /// The argument after the inputs in both calls.
     fn constants_argument(&self) -> String {
         if self.takes_constants() { format!(", constants: &[Real; {}]", self.constants_name()) } else { String::new() }
     }

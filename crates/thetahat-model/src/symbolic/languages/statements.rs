@@ -1,4 +1,4 @@
-//! Operations as statements of a language that writes `a + b`.
+//! Operations as statements of a language with infix operators.
 
 use std::collections::BTreeMap;
 
@@ -8,17 +8,17 @@ use super::super::{
 };
 use crate::robot::MathFunction;
 
-/// How a language writes what statements are made of.
+/// How a language writes the parts of statements.
 pub(super) trait Syntax {
     /// A number, not negative.
     fn number(&self, value: f64) -> String;
     /// An entry of an input.
     fn input(&self, array: Array, index: usize) -> String;
-    /// A value that the parameters decide, by its place among those that are used in a state.
+    /// A value that depends only on the parameters, by its index among those used in a state.
     fn constant(&self, place: usize) -> String;
     /// A sine, cosine or sign.
     fn call(&self, function: Call, argument: &str) -> String;
-    /// Another function, of one argument or of two.
+    /// Another function, of one or two arguments.
     fn function(&self, function: MathFunction, arguments: &[String]) -> String;
     /// Product and quotient.
     fn operators(&self) -> [&'static str; 2] {
@@ -43,11 +43,11 @@ pub(super) enum Call {
     Sign,
 }
 
-/// A program in two parts: what the parameters decide, and what is left for each state.
+/// A program in two parts: values that depend only on the parameters, and operations for each state.
 #[derive(Debug)]
 pub(super) struct Parts<'a> {
     program: &'a Program,
-    /// The values that the parameters decide and that states use, each once.
+    /// The values that depend only on the parameters and that states use, without duplicates.
     pub(super) constants: Vec<Value>,
 }
 
@@ -64,13 +64,13 @@ impl<'a> Parts<'a> {
         Self { program, constants }
     }
 
-    /// The statements that compute what the parameters decide.
+    /// The statements that compute values from the parameters.
     pub(super) fn prepare(&self, syntax: &impl Syntax) -> Vec<String> {
         let scope = Scope { parts: self, syntax, in_state: false };
         self.statements(&scope, |operation| operation.is_fixed, |_| Vec::new())
     }
 
-    /// Those constants, where [`Parts::prepare`] has computed them.
+    /// The names of those constants after [`Parts::prepare`].
     pub(super) fn prepared(&self, syntax: &impl Syntax) -> Vec<String> {
         let scope = Scope { parts: self, syntax, in_state: false };
         self.constants.iter().map(|value| scope.value(*value)).collect()
@@ -95,7 +95,7 @@ impl<'a> Parts<'a> {
         lines
     }
 
-    /// Where the operations of each state compute a value, if they do.
+    /// The index of a value among the operations of each state, if it is one of them.
     fn place_in_state(&self, value: Value) -> Option<usize> {
         match value {
             Value::Result(place) => Some(place).filter(|_| !is_fixed(self.program, value)),
@@ -103,7 +103,7 @@ impl<'a> Parts<'a> {
         }
     }
 
-    /// All statements, where the constants are not kept apart.
+    /// All statements, without separate constants.
     pub(super) fn all(&self, syntax: &impl Syntax) -> Vec<String> {
         self.statements(&Scope { parts: self, syntax, in_state: false }, |_| true, |_| Vec::new())
     }
@@ -120,12 +120,12 @@ impl<'a> Parts<'a> {
         self.program.outputs.iter().map(|output| scope.operand(*output)).collect()
     }
 
-    /// The statements of wanted operations, each with what is to come behind it.
+    /// The statements of selected operations, each followed by the lines of `after`.
     fn statements<S: Syntax>(
         &self,
         scope: &Scope<'_, S>,
         is_wanted: impl Fn(&Operation) -> bool,
-        behind: impl Fn(usize) -> Vec<String>,
+        after: impl Fn(usize) -> Vec<String>,
     ) -> Vec<String> {
         let syntax = scope.syntax;
         let pairs = pairs(self.program);
@@ -139,13 +139,13 @@ impl<'a> Parts<'a> {
                 }
                 Some(_) => {}
             }
-            lines.extend(behind(place));
+            lines.extend(after(place));
         }
         lines
     }
 }
 
-/// Places of sine and cosine of one angle, by either place.
+/// Indices of sine and cosine of one angle, by either index.
 fn pairs(program: &Program) -> BTreeMap<usize, (usize, usize, Value)> {
     let mut pairs = BTreeMap::new();
     let operations = || program.operations.iter().enumerate();
@@ -175,7 +175,7 @@ fn name(place: usize) -> String {
 struct Scope<'a, S> {
     parts: &'a Parts<'a>,
     syntax: &'a S,
-    /// Whether what the parameters decide is at hand as constants.
+    /// Whether values that depend only on the parameters are available as constants.
     in_state: bool,
 }
 

@@ -1,10 +1,10 @@
 """Campaigns, long recordings and fleets of robots beyond one machine: on threads, Dask or Ray.
 
-A job is one of the library's own: texts in, Parquet rows, triangular factors or estimates out. What comes out has the same bytes for
-any engine, number of workers and order. Each job leaves a file of its own, whole or not at all: a job whose worker is killed is done
-again, a driver that is killed goes on where it was.
+A job takes texts and returns Parquet rows, triangular factors or estimates. The results have the same bytes for
+any engine, number of workers and order. Each job writes its own file atomically: a job whose worker is killed is repeated,
+a driver that is killed continues.
 
-Programs that begin Dask or Ray on this machine need ``if __name__ == "__main__":``, as any that begin processes.
+Programs that start Dask or Ray on this machine need ``if __name__ == "__main__":``, like all that start processes.
 """
 
 from ._campaign import Campaign, campaign

@@ -1,5 +1,5 @@
-"""Recordings where they lie: in a folder that all workers see, or as objects below an ``s3://`` prefix, which each worker brings to
-itself for as long as it needs them."""
+"""Storage of recordings: a folder that all workers can access, or objects below an ``s3://`` prefix, which each worker downloads
+while it needs them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .. import _thetahat
 from ..errors import RecordingError
 from ._store import Store, is_remote
 
-# Where an experiment is told that its objects are, before a worker has them: no file is there.
+# The path of an experiment's objects before a worker has downloaded them: no file exists there.
 _NOWHERE = os.path.abspath(os.path.join(os.sep, "nowhere", "thetahat-objects"))
 
 
@@ -22,9 +22,9 @@ class Data(NamedTuple):
     """The recordings of an experiment."""
 
     place: str
-    """A folder, or ``s3://bucket/prefix`` with pyarrow's options behind a question mark."""
+    """A folder, or ``s3://bucket/prefix`` with pyarrow's options after a question mark."""
     objects: tuple[str, ...] = ()
-    """Names of the objects below the prefix that are read; none of a folder."""
+    """Names of the objects below the prefix; empty for a folder."""
 
     @contextlib.contextmanager
     def as_folder(self) -> Iterator[str]:
@@ -50,31 +50,31 @@ class Data(NamedTuple):
             yield folder
 
     def in_words(self, text: str, folder: str) -> str:
-        """A message about the folder of :meth:`as_folder`, as one about the place."""
+        """A message with the place instead of the folder of :meth:`as_folder`."""
         return text.replace(folder, _shown(self.place)) if is_remote(self.place) else text
 
 
 class Described(NamedTuple):
-    """An experiment with its recordings, as workers take it."""
+    """An experiment with its recordings, for workers."""
 
     texts: _thetahat.ExperimentTexts
     data: Data
     stamps: list[tuple[str, int, int]]
-    """By which its files are known again without reading them: path, size and time of change."""
+    """Identifies its files without reading them: path, size and time of change."""
     recordings: int
 
 
 def described(path: str, data: str, robot: str | None) -> Described:
-    """An experiment whose recordings lie at a place."""
+    """An experiment with its recordings at a place."""
     if not is_remote(data):
         texts, files, recordings = _thetahat.experiment_texts(path, data, robot)
         return Described(texts, Data(data), stamps(files), recordings)
     texts, files, recordings = _thetahat.experiment_texts(path, _NOWHERE, robot)
     below = f"{_NOWHERE}{os.sep}"
     names = sorted({str(file).removeprefix(below).replace(os.sep, "/") for file in files if str(file).startswith(below)})
-    beside = [file for file in files if not str(file).startswith(below)]
+    other_files = [file for file in files if not str(file).startswith(below)]
     of_objects = [(f"{data}/{name}", size, changed) for name, size, changed in Store(data).stamps(names)]
-    return Described(texts, Data(data, tuple(names)), stamps(beside) + of_objects, recordings)
+    return Described(texts, Data(data, tuple(names)), stamps(other_files) + of_objects, recordings)
 
 
 def _shown(place: str) -> str:
@@ -84,6 +84,6 @@ def _shown(place: str) -> str:
 
 
 def stamps(files: Sequence[str | os.PathLike[str]]) -> list[tuple[str, int, int]]:
-    """Path, size and time of change of files; those that are not there are left out."""
+    """Path, size and time of change of the files that exist."""
     found = [(os.path.abspath(file), os.stat(file)) for file in sorted(str(file) for file in files) if os.path.exists(file)]
     return [(path, state.st_size, state.st_mtime_ns) for path, state in found]

@@ -1,4 +1,4 @@
-"""Where jobs are done: threads of this process, workers of Dask, workers of Ray. Engines are imported when they are asked for."""
+"""Engines for jobs: threads of this process, workers of Dask, workers of Ray. Engines are imported on first use."""
 
 from __future__ import annotations
 
@@ -18,42 +18,42 @@ Engine = Literal["threads", "dask", "ray"]
 _Job = TypeVar("_Job")
 _Value = TypeVar("_Value")
 
-# Jobs that are handed over before the first is done, for each worker: enough that no worker waits for the driver.
+# Jobs submitted ahead for each worker: enough that no worker waits for the driver.
 _AHEAD = 4
-# How often a running engine is asked how many workers it has, s.
+# Time between counts of the workers of a running engine, s.
 _COUNT_EVERY_S = 1.0
 
 
 class _Pool(Protocol):
-    """What an engine does for a driver."""
+    """The interface of an engine."""
 
     @property
     def slots(self) -> int:
-        """Jobs that are worked on at a time; of a running engine it changes as workers come and go."""
+        """Jobs that run at a time; for a running engine it changes with its workers."""
 
     def submit(self, function: Callable[[Any], Any], job: Any) -> Hashable:
-        """Hand a job over."""
+        """Submit a job."""
 
     def finished(self) -> list[Any]:
-        """Wait for jobs that are done; what :meth:`submit` gave for them."""
+        """Wait for jobs that are done; returns their handles from :meth:`submit`."""
 
     def value(self, handle: Any) -> Any:
-        """What a job gave; raises what it raised."""
+        """The result of a job; raises its exception."""
 
     def close(self) -> None:
-        """Give up what is not done, and what the pool began itself."""
+        """Cancel jobs that are not done, and stop what the pool started."""
 
 
 class Driver:
-    """Hands jobs to an engine and takes what they give."""
+    """Submits jobs to an engine and collects their results."""
 
     def __init__(self, pool: _Pool) -> None:
         self._pool = pool
 
     def each(self, function: Callable[[_Job], _Value], jobs: Iterable[_Job]) -> Iterator[tuple[int, _Value]]:
-        """Do jobs; their numbers from zero and values, as they are done. The first error ends it.
+        """Run jobs; yields their numbers from zero and results as they finish. The first error ends it.
 
-        Jobs are taken as workers get free or join, so that there may be many.
+        Jobs are submitted as workers become free or join, so there may be many.
         """
         waiting = enumerate(jobs)
         handles: dict[Hashable, int] = {}
@@ -71,13 +71,13 @@ class Driver:
                 yield handles.pop(handle), self._pool.value(handle)
 
     def all(self, function: Callable[[_Job], _Value], jobs: Iterable[_Job]) -> list[_Value]:
-        """What jobs give, in their order."""
+        """The results of jobs, in their order."""
         return [value for _, value in sorted(self.each(function, jobs), key=lambda pair: pair[0])]
 
 
 @contextlib.contextmanager
 def started(engine: Engine, workers: int | None, address: str | None, retries: int) -> Iterator[Driver]:
-    """An engine for as long as the context lasts: a running one at `address`, or one on this machine."""
+    """An engine for the duration of the context: a running one at `address`, or one on this machine."""
     if engine not in _ENGINES:
         raise ValueError(f"engine is {engine!r}; expected {', '.join(map(repr, _ENGINES))}")
     if workers is not None and workers < 1:
@@ -90,7 +90,7 @@ def started(engine: Engine, workers: int | None, address: str | None, retries: i
 
 
 class _Slots:
-    """The workers of an engine, counted again where the last count is old: each takes a call of the engine."""
+    """The number of workers of an engine, cached for some time: each count is a call of the engine."""
 
     def __init__(self, count: Callable[[], int]) -> None:
         self._count = count
@@ -103,7 +103,7 @@ class _Slots:
 
 
 class _Threads:
-    """Threads of this process; the compiled part lets go of the interpreter's lock."""
+    """Threads of this process; the compiled part releases the interpreter's lock."""
 
     def __init__(self, workers: int, address: str | None, retries: int) -> None:
         if address is not None:
@@ -155,7 +155,7 @@ class _Dask:
         return self._slots()
 
     def submit(self, function: Callable[[Any], Any], job: Any) -> Hashable:
-        # Jobs are not pure: each leaves a file.
+        # Jobs are not pure: each writes a file.
         future: Hashable = self._client.submit(function, job, pure=False)
         self._completed.add(future)
         return future
@@ -234,12 +234,12 @@ def _module(engine: str, name: str) -> Any:
     try:
         return importlib.import_module(name)
     except ImportError as missing:
-        remedy = f'pip install "thetahat[{engine}]", or take engine="threads"'
+        remedy = f'pip install "thetahat[{engine}]", or use engine="threads"'
         raise EngineError(f'the engine "{engine}" is not installed: {remedy}') from missing
 
 
 def _require_same_ray(ray: Any, address: str | None) -> None:
-    """Refuse another cluster than that to which this process is connected: Ray knows one at a time."""
+    """Refuse another cluster than the connected one: Ray supports one at a time."""
     connected = ray.get_runtime_context().gcs_address
     if address not in (None, "auto", connected):
         raise EngineError(
@@ -250,13 +250,13 @@ def _require_same_ray(ray: Any, address: str | None) -> None:
 
 @contextlib.contextmanager
 def _connecting(what: str, address: str | None) -> Iterator[None]:
-    """Say which address does not answer, whatever error an engine has for it."""
+    """Report the address that does not answer, for any error of the engine."""
     try:
         yield
     except (OSError, ValueError, RuntimeError, asyncio.TimeoutError) as error:
         if address is None:
             raise
-        remedy = "begin it, or leave out `address` for one on this machine"
+        remedy = "start it, or leave out `address` for one on this machine"
         raise EngineError(f"no {what} answers at {address} ({error}): {remedy}") from error
 
 

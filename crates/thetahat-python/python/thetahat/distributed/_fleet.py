@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .. import _thetahat
-from .._progress import Progress, telling
+from .._progress import Progress, reporting
 from ..controllers import Controller
 from ..errors import RecordingError, ReportError, RobotError, ThetahatError
 from ..identification import identify
@@ -31,15 +31,15 @@ from ._statistics import Dispersion, Estimate, Line, Test, holm
 from ._store import Store, content_name, is_remote
 
 _PARTS = "sessions"
-# The form of the files of sessions; another one gives other names.
+# Version of the form of session files; it is part of their names.
 _FORM = 2
-# How the files of sessions end: those that are done, and those whose recordings could not be read.
+# Extensions of session files: done, and recordings that could not be read.
 _DONE, _UNREAD = ".json", ".unread.json"
 _HTML, _JSON = "fleet.html", "fleet.json"
-# How the second begins, by which it is known again.
+# The first characters of the second, by which it is recognised.
 _JSON_HEAD = '{\n"thetahat": '
 _DAY_S = 86_400.0
-# Half of an interval of 95 % of a normal distribution, in standard deviations.
+# Half width of a 95 % interval of a normal distribution, in standard deviations.
 _NORMAL_95 = 1.959963984540054
 
 
@@ -50,18 +50,18 @@ class Session:
     Parameters
     ----------
     robot : str
-        Which robot it was, such as its serial number.
+        The robot, such as its serial number.
     time : float or datetime
-        When, in days, or in any unit that all sessions share; slopes are per this unit. A datetime has a time zone.
+        The time in days, or in any unit that all sessions share; slopes are per this unit. A datetime has a time zone.
     experiment : path, optional
-        An experiment file, as :func:`thetahat.run` takes it.
+        An experiment file, as for :func:`thetahat.run`.
     data, description : path, optional
-        The folder of its data, and another robot description: `data` and `robot` of :func:`thetahat.run`. The data may lie at
-        ``s3://bucket/prefix`` too, with pyarrow's options behind a question mark: a worker brings itself what its session reads.
+        The folder of its data, and another robot description: `data` and `robot` of :func:`thetahat.run`. The data may also be at
+        ``s3://bucket/prefix``, with pyarrow's options after a question mark: a worker downloads the files of its session.
     model : Robot, optional
-        Without an experiment: the robot, as :func:`thetahat.identify` takes it.
+        Without an experiment: the robot, as for :func:`thetahat.identify`.
     recordings : Recording or sequence of Recording
-        With `model`: what to identify from.
+        With `model`: the recordings.
     settings : mapping
         With `model`: the other arguments of :func:`thetahat.identify`.
     """
@@ -103,23 +103,23 @@ class ParameterEstimate(NamedTuple):
     name: str
     estimate: float
     standard_deviation: float
-    """Half of the 95 % interval by 1.96, so that few degrees of freedom count; SI."""
+    """Half width of the 95 % interval over 1.96, which includes the effect of few degrees of freedom; SI."""
     unit: str
     expression: str = ""
-    """What the base parameter stands for; estimates of one name are compared where all have the same."""
+    """The formula of the base parameter; estimates of one name are compared only if all have the same."""
 
 
 @dataclass(frozen=True)
 class SessionResult:
-    """What a session came to."""
+    """The result of a session."""
 
     robot: str
     time: float
     verdict: str
-    """Of the identification, or ``"refused"`` where its input cannot be used."""
+    """The verdict of the identification, or ``"refused"`` if its input cannot be used."""
     reasons: tuple[str, ...]
     method: str
-    """Whose estimates these are; empty without any."""
+    """The method of the estimates; empty without any."""
     parameters: tuple[ParameterEstimate, ...]
 
     def __post_init__(self) -> None:
@@ -161,15 +161,15 @@ class RobotResult:
 
 @dataclass(frozen=True)
 class Fleet:
-    """What the sessions of a fleet say together."""
+    """The comparison of the sessions of a fleet."""
 
     place: str
     level: float
-    """Below which adjusted p-values count."""
+    """The level of the tests of adjusted p-values."""
     sessions: tuple[SessionResult, ...]
     parameters: tuple[ParameterResult, ...]
     drifts: tuple[RobotResult, ...]
-    """Slopes of friction parameters over time, robot by robot, unit per unit of time."""
+    """Slopes of friction parameters over time for each robot, unit per unit of time."""
     deviations: tuple[RobotResult, ...]
     """Each robot's distance from the median of all."""
 
@@ -180,7 +180,7 @@ class Fleet:
 
     @property
     def changing(self) -> list[str]:
-        """Parameters that move over time."""
+        """Parameters that change over time."""
         return [p.name for p in self.parameters if p.over_time_adjusted < self.level]
 
     @property
@@ -189,7 +189,7 @@ class Fleet:
         return [drift for drift in self.drifts if drift.adjusted < self.level]
 
     def to_json(self) -> str:
-        """Everything, as JSON; numbers that there are not are null. Formulas are with the parameters, once for all sessions."""
+        """Everything as JSON; missing numbers are null. Formulas are stored with the parameters, once for all sessions."""
         lists = {"sessions": self.sessions, "parameters": self.parameters, "drifts": self.drifts, "deviations": self.deviations}
         text = f'{_JSON_HEAD}"{_thetahat.VERSION}",\n"level": {self.level}'
         for key, items in lists.items():
@@ -211,14 +211,14 @@ class Fleet:
         Parameters
         ----------
         path : str or path
-            The file; one that thetahat wrote is replaced.
+            The file; a file that thetahat wrote is replaced.
         force : bool
-            Whether a file of others is replaced too.
+            Whether to replace a file that thetahat did not write.
 
         Raises
         ------
         ReportError
-            Where it cannot be written, or a file of others is there.
+            If it cannot be written, or the file exists and was not written by thetahat.
         """
         folder, name = os.path.split(os.path.abspath(os.fspath(path)))
         text, mark = (self.to_markdown(), _page.HEADING) if name.endswith(".md") else (self.to_html(), _page.GENERATOR)
@@ -234,7 +234,7 @@ class Fleet:
 
 
 class _SessionPart(NamedTuple):
-    """A session as a worker takes it."""
+    """A session for a worker."""
 
     store: Store
     name: str
@@ -245,12 +245,12 @@ class _SessionPart(NamedTuple):
 
     @property
     def unread_name(self) -> str:
-        """The file that says why a recording could not be read: another call looks again, since a disk may be back."""
+        """The file with the reason why a recording could not be read: another call tries again."""
         return self.name.removesuffix(_DONE) + _UNREAD
 
     @staticmethod
     def work(job: _SessionPart) -> str:
-        """Identify, and keep what is compared."""
+        """Identify, and keep the estimates for the comparison."""
         name = job.name
         try:
             found = _kept(_identified(job), job.method)
@@ -267,12 +267,12 @@ def _identified(job: _SessionPart) -> Result:
             return _run(job.texts, job.data, folder)
     model = job.session.model
     assert model is not None
-    # Jobs are run side by side: each has one thread.
+    # Jobs run in parallel: each has one thread.
     return identify(model, job.session.recordings, **{"threads": 1, **job.session.settings})
 
 
 def _run(texts: _thetahat.ExperimentTexts, data: Data, folder: str) -> Result:
-    """The results of an experiment; where it is refused, the message names where the data lie."""
+    """The results of an experiment; if it is refused, the message names the place of the data."""
     try:
         return Result(_thetahat.run_texts(texts, folder), None)
     except ThetahatError as refused:
@@ -284,7 +284,7 @@ def _kept(result: Result, method: str | None) -> dict[str, Any]:
     own = _own_reasons(run, method)
     return {
         "verdict": result.verdict,
-        # What is wrong with the run that was asked for comes before what is wrong with all.
+        # Reasons for the requested method come before reasons for all.
         "reasons": result.reasons + own if method is None else own + result.reasons,
         "method": "" if run is None else run.method,
         "parameters": [] if run is None else _estimates(run),
@@ -300,7 +300,7 @@ def _chosen(result: Result, method: str | None) -> Run | None:
 def _own_reasons(run: Run | None, method: str | None) -> list[str]:
     if run is not None:
         return [run.reason] if run.reason else []
-    return ["no method has an estimate to take" if method is None else f"{method} is not among the methods of the session"]
+    return ["no method has a usable estimate" if method is None else f"{method} is not among the methods of the session"]
 
 
 def _estimates(run: Run) -> list[tuple[str, float, float, str, str]]:
@@ -330,8 +330,8 @@ def fleet(
 ) -> Fleet:
     """Identify every session of a fleet, and test which parameters differ between robots and over time.
 
-    Estimates of a parameter are compared by Wald tests with their own robust variances; parameter by parameter, since a session keeps no
-    covariance between parameters. Where sessions scatter about their robot's line by more than their variances say, all variances of
+    Estimates of a parameter are compared by Wald tests with their own robust variances, each parameter separately, as a session keeps no
+    covariance between parameters. If sessions scatter about their robot's line by more than their variances predict, all variances of
     the parameter are multiplied by that factor, and tests are of F and t. P-values are adjusted by Holm's method: tests of the
     fleet over the parameters, tests of robots over robots and parameters. Intervals are of 95 % each, by itself.
 
@@ -343,31 +343,31 @@ def fleet(
     sessions : iterable of Session
         The sessions.
     out : path or str
-        A folder that all workers see, or ``s3://bucket/prefix``: ``fleet.json``, ``fleet.html``, and a file for each session, which is
-        taken where an earlier call left it.
+        A folder that all workers can access, or ``s3://bucket/prefix``: ``fleet.json``, ``fleet.html``, and a file for each session, which is
+        reused if it exists.
     method : str, optional
-        Whose estimates are compared; without it those that the advice of each session takes.
+        The method whose estimates are compared; by default the recommended method of each session.
     friction : sequence of str
-        Beginnings of the names of the parameters whose drifts are told robot by robot.
+        Prefixes of the names of the parameters whose drifts are listed for each robot.
     level : float
         The level of the tests.
     sessions_per_job : int
-        Sessions that are handed over together: some tens where there are many workers and sessions are short.
+        Sessions per job: some tens for many workers and short sessions.
     engine, workers, address, retries, progress
-        As of :func:`campaign`.
+        As for :func:`campaign`.
 
     Raises
     ------
     ExperimentError
-        For an experiment file that cannot be read; what a worker refuses is a session's verdict.
+        For an experiment file that cannot be read; if a worker refuses a session, that is its verdict.
     RobotError
-        For a robot that cannot be read, and for a parameter that stands for something else in another session.
+        For a robot that cannot be read, and for a parameter that has another formula in another session.
     SettingsError
-        For a method that there is not.
+        For an unknown method.
     EngineError
         For an engine that is not installed, or loses its workers.
     ReportError
-        For a ``fleet.json`` or ``fleet.html`` of others in `out`.
+        For a ``fleet.json`` or ``fleet.html`` in `out` that was not written by thetahat.
     """
     if not 0.0 < level < 1.0:
         raise ValueError(f"level is {level}; it is between 0 and 1")
@@ -382,10 +382,10 @@ def fleet(
     jobs = [_job(store, session, method) for session in asked]
     if len({job.name for job in jobs}) < len(jobs):
         raise ValueError("two sessions are of the same robot, time and recordings: give each only once")
-    with _engines.started(engine, workers, address, retries) as driver, telling(progress) as tell:
+    with _engines.started(engine, workers, address, retries) as driver, reporting(progress) as report_stage:
         for done in run_missing(driver, _SessionPart.work, jobs, store, _PARTS, sessions_per_job):
-            if tell is not None:
-                tell(f"{done} of {len(jobs)} sessions")
+            if report_stage is not None:
+                report_stage(f"{done} of {len(jobs)} sessions")
     contents = store.read_all(_written(jobs, store.names(_PARTS)))
     found = [_result(job.session, content) for job, content in zip(jobs, contents, strict=True)]
     compared = compare(found, str(store), friction=friction, level=level)
@@ -397,12 +397,12 @@ def fleet(
 def compare(
     sessions: Sequence[SessionResult], place: str = "", *, friction: Sequence[str] = ("fv", "fc"), level: float = 0.05
 ) -> Fleet:
-    """The tests of :func:`fleet` on sessions that were identified.
+    """The tests of :func:`fleet` on identified sessions.
 
     Raises
     ------
     RobotError
-        For a parameter that stands for something else in another session.
+        For a parameter that has another formula in another session.
     """
     ordered = sorted(sessions, key=lambda session: (session.robot, session.time))
     known = _known(ordered)
@@ -428,7 +428,7 @@ def compare(
 
 
 def _known(sessions: Sequence[SessionResult]) -> dict[str, ParameterEstimate]:
-    """Of each parameter the first that is met; refuses a fleet in which a name does not mean one thing."""
+    """The first estimate of each parameter; refuses a fleet in which a name has two formulas."""
     known: dict[str, tuple[str, ParameterEstimate]] = {}
     for session in sessions:
         for parameter in session.parameters if session.is_used else ():
@@ -478,7 +478,7 @@ def _of_robots(found: list[tuple[str, str, Estimate]], units: dict[str, str]) ->
 
 
 def _lines(sessions: Sequence[SessionResult]) -> dict[str, dict[str, Line]]:
-    """Of each parameter the line of each robot that has it."""
+    """The line of each robot, for each parameter."""
     points: dict[str, dict[str, list[tuple[float, float, float]]]] = {}
     for session in sessions:
         for parameter in session.parameters if session.is_used else ():
@@ -504,7 +504,7 @@ def _digest(session: Session) -> str:
     """A name of a session's arrays and settings."""
     assert session.model is not None
     recordings = [session.recordings] if isinstance(session.recordings, Recording) else session.recordings
-    # What a robot is pickled as: its description, and where its locked joints stand.
+    # The pickled form of a robot: its description, and the values of its locked joints.
     model = repr(session.model._native.__reduce__()[1])
     try:
         text = json.dumps([model, list(recordings), dict(session.settings)], sort_keys=True, default=_named)
@@ -514,7 +514,7 @@ def _digest(session: Session) -> str:
 
 
 def _named(value: object) -> object:
-    """What stands for a value among settings that JSON does not know."""
+    """The JSON form of a value that JSON does not support."""
     if isinstance(value, Recording):
         return _recording_digest(value)
     if isinstance(value, Controller):
@@ -538,7 +538,7 @@ def _recording_digest(recording: Recording) -> str:
 
 
 def _written(jobs: Sequence[_SessionPart], there: AbstractSet[str]) -> list[str]:
-    """The files that jobs left."""
+    """The files that jobs wrote."""
     return [job.name if job.name in there else job.unread_name for job in jobs]
 
 
@@ -559,7 +559,7 @@ def _result(session: Session, content: bytes) -> SessionResult:
 
 
 def _plain(value: Any) -> Any:
-    """What JSON can hold."""
+    """The value in a form that JSON supports."""
     if isinstance(value, ParameterEstimate):
         return {key: _plain(each) for key, each in value._asdict().items() if key != "expression"}
     if is_dataclass(value):

@@ -1,4 +1,4 @@
-"""The jobs: what a worker does by itself. Each writes one file, whose name its content's origin gives, and returns the name."""
+"""The jobs of a worker. Each writes one file, named after the inputs of its content, and returns the name."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _building = threading.Lock()
 
 
 class CampaignPart(NamedTuple):
-    """Records of a campaign, as rows in a file of Parquet."""
+    """Recordings of a campaign, as rows in a Parquet file."""
 
     store: Store
     name: str
@@ -25,13 +25,13 @@ class CampaignPart(NamedTuple):
 
     @staticmethod
     def work(job: CampaignPart) -> str:
-        """Run the records."""
+        """Run the recordings."""
         job.store.write(job.name, bench(job.texts, job.starts).part(job.places))
         return job.name
 
 
 def bench(texts: _thetahat.CampaignTexts, starts: int | None) -> _thetahat.Bench:
-    """What all records share: made once in a process."""
+    """The shared data of all recordings, created once per process."""
     with _building:
         return _bench(texts, starts)
 
@@ -49,12 +49,12 @@ class Spans(NamedTuple):
 
     @staticmethod
     def work(job: Spans) -> list[tuple[float, float]]:
-        """Look through the recordings."""
+        """Read the time spans of the recordings."""
         return [(start, end) for start, end in _thetahat.recording_spans(job.texts, job.data)]
 
 
 class ReductionPart(NamedTuple):
-    """A recording, or a stretch of its time, as triangular factors."""
+    """A recording, or a time segment of it, as triangular factors."""
 
     store: Store
     name: str
@@ -88,7 +88,7 @@ class Merge(NamedTuple):
 
 
 class _Named(Protocol):
-    """A job that leaves a file of this name."""
+    """A job that writes a file of this name."""
 
     @property
     def name(self) -> str: ...
@@ -98,21 +98,21 @@ _Job = TypeVar("_Job", bound=_Named)
 
 
 class _Several(NamedTuple):
-    """Jobs that are handed over together, since handing over takes time."""
+    """Jobs that are submitted together, as submitting takes time."""
 
     function: Callable[[Any], str]
     jobs: list[Any]
 
     @staticmethod
     def work(job: _Several) -> list[str]:
-        """Do them one by one."""
+        """Run them one after another."""
         return [job.function(each) for each in job.jobs]
 
 
 def run_missing(
     driver: Driver, function: Callable[[_Job], str], jobs: list[_Job], store: Store, folder: str, together: int = 1
 ) -> Iterator[int]:
-    """Do the jobs whose files are not there yet, so many handed over together; an iterator over how many are done."""
+    """Run the jobs whose files do not exist yet, in groups; an iterator over the number of finished jobs."""
     there = store.names(folder)
     missing = [job for job in jobs if job.name not in there]
     done = len(jobs) - len(missing)

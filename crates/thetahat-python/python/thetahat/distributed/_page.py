@@ -10,10 +10,10 @@ if TYPE_CHECKING:
     from ._fleet import Fleet, RobotResult
     from ._statistics import Estimate
 
-# Rows of a table that has one for each robot and parameter; all are in fleet.json.
+# Largest number of rows of a table with one for each robot and parameter; all are in fleet.json.
 _MOST = 100
 
-# By which the page is known again.
+# The mark by which the page is recognised.
 GENERATOR = '<meta name="generator" content="thetahat">'
 
 _STYLE = """
@@ -32,7 +32,7 @@ th:first-child, td:first-child { text-align: left; }
 
 
 class _Table(NamedTuple):
-    """A table with what is said above it."""
+    """A table with the text above it."""
 
     title: str
     text: str
@@ -61,7 +61,7 @@ def markdown(fleet: Fleet) -> str:
 
 
 _TITLE = "The fleet"
-# How the Markdown begins, by which it is known again.
+# The first characters of the Markdown, by which it is recognised.
 HEADING = f"# {_TITLE}\n\n"
 
 
@@ -72,11 +72,11 @@ def _summary(fleet: Fleet) -> list[str]:
     lines.append(_listed("Parameters that differ between robots", fleet.differing))
     lines.append(_listed("Parameters that change over time", fleet.changing))
     drifts = [f"{drift.name} of {drift.robot}" for drift in fleet.drifting]
-    lines.append(_listed("Friction that drifts", drifts))
+    lines.append(_listed("Friction drift", drifts))
     lines.append(
         f"P-values are adjusted by Holm's method within each column: {len(fleet.parameters)} tests of parameters, "
-        f"{len(fleet.drifts)} of drifts, {len(fleet.deviations)} of deviations. What is below {fleet.level:g} counts; "
-        "intervals are of 95 %, each by itself."
+        f"{len(fleet.drifts)} of drifts, {len(fleet.deviations)} of deviations. Findings are below {fleet.level:g}; "
+        "each interval has 95 %."
     )
     return lines
 
@@ -101,7 +101,7 @@ def _tables(fleet: Fleet) -> list[_Table]:
         _of_robots(
             fleet,
             fleet.deviations,
-            "Robots beside the others",
+            "Robots compared with the others",
             "Distance of each robot's mean from the median of all.",
             "distance",
         ),
@@ -119,7 +119,7 @@ def _parameters(fleet: Fleet) -> _Table:
         cells += [_number(p.common_slope.value), _number(p.dispersion.factor), _p(adjusted[2])]
         rows.append((any(value < fleet.level for value in adjusted), cells))
     text = (
-        "Dispersion is the scatter of sessions about their robot's line, against their variances: above 1, variances are multiplied "
+        "Dispersion is the scatter of sessions about their robot's line over their variances: above 1, variances are multiplied "
         "by it."
     )
     return _Table("Parameters", text, head, rows)
@@ -142,7 +142,7 @@ def _left_out(fleet: Fleet) -> _Table:
         (False, [s.robot, f"{s.time:g}", s.verdict, s.reasons[0] if s.reasons else "no estimate with an interval"])
         for s in left_out[:_MOST]
     ]
-    return _Table("Sessions that are left out", "", ["robot", "time", "verdict", "reason"], rows)
+    return _Table("Sessions left out", "", ["robot", "time", "verdict", "reason"], rows)
 
 
 def _html_table(table: _Table) -> str:

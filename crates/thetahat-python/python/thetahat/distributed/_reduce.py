@@ -1,4 +1,4 @@
-"""Long recordings as triangular factors, made by any worker and merged as a tree."""
+"""Long recordings as triangular factors, computed by any worker and merged as a tree."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from .. import _thetahat
-from .._progress import Progress, telling
+from .._progress import Progress, reporting
 from ..results import Result
 from ..robot import Robot
 from . import _engines
@@ -20,28 +20,28 @@ from ._store import Store, content_name
 _Path = str | os.PathLike[str]
 _PARTS = "parts"
 _MERGED = "merged.reduction"
-# How it begins.
+# Its first characters.
 _MARK = "thetahat reduction "
 
 
 @dataclass(frozen=True)
 class Reduced:
-    """A reduction: what least squares need of all recordings."""
+    """A reduction: the data for least squares of all recordings."""
 
     place: str
-    """The folder or prefix with ``merged.reduction``, which ``thetahat solve`` takes."""
+    """The folder or prefix with ``merged.reduction``, the input of ``thetahat solve``."""
     parts: tuple[str, ...]
     """The files of its parts, in their order."""
     content: bytes
     """The content of ``merged.reduction``."""
 
     def solve(self) -> Result:
-        """The estimates, as ``thetahat solve`` gives them.
+        """The estimates, as of ``thetahat solve``.
 
         Raises
         ------
         ReductionError
-            Where the experiment in the reduction cannot be used.
+            If the experiment in the reduction cannot be used.
         """
         native, robot = _thetahat.solve(f"{self.place}/{_MERGED}", self.content)
         return Result(native, Robot(robot))
@@ -62,31 +62,31 @@ def reduce(
     retries: int = 3,
     progress: bool | Progress = False,
 ) -> Reduced:
-    """Reduce recordings on any engine, one job each or one for each stretch of time, and merge the factors.
+    """Reduce recordings on any engine, one job each or one for each time segment, and merge the factors.
 
-    The bytes depend on the experiments, their order, `stretch_s` and `fan_in`; not on engine, workers or what is done first. Parts that
-    an earlier call left are taken, unless their files have changed since.
+    The bytes depend on the experiments, their order, `stretch_s` and `fan_in`; not on engine, workers or order of execution. Parts of
+    an earlier call are reused, unless their files have changed since.
 
     Parameters
     ----------
     experiments : path or sequence of path
-        Experiment files whose recordings are one regression.
+        Experiment files whose recordings form one regression.
     out : path or str
-        A folder that all workers see, or ``s3://bucket/prefix``.
+        A folder that all workers can access, or ``s3://bucket/prefix``.
     data : path, optional
-        The folder of the recordings, which all workers see; without it that of each experiment file.
+        The folder of the recordings, which all workers can access; by default that of each experiment file.
     robot : path, optional
-        Another robot description than the one that the experiments name.
+        A robot description instead of the one in the experiments.
     stretch_s : float, optional
-        Reduce stretches of so many seconds by themselves, where one recording is much for one worker. A stretch is decimated as a
-        record of its own, and the velocity below which a joint is near rest is that of the stretch: estimates differ from those of
-        the whole by the rows at its ends and near rest. Twins have no stretches.
+        Reduce segments of this many seconds separately, if a recording is too long for one worker. A segment is decimated like a
+        separate recording, and has its own velocity below which a joint is near rest: estimates differ from those of
+        the whole recording by the rows at its ends and near rest. Twins cannot be split.
     instruments_from : path, optional
         A ``results.json`` whose estimates simulate the instruments of IDIM-IV.
     fan_in : int
-        Reductions that one job merges.
+        Number of reductions that one job merges.
     engine, workers, address, retries, progress
-        As of :func:`campaign`.
+        As for :func:`campaign`.
 
     Raises
     ------
@@ -95,7 +95,7 @@ def reduce(
     EngineError
         For an engine that is not installed, or loses its workers.
     ReportError
-        For a ``merged.reduction`` of others in `out`.
+        For a ``merged.reduction`` in `out` that was not written by thetahat.
     """
     if stretch_s is not None and not (math.isfinite(stretch_s) and stretch_s > 0):
         raise ValueError(f"stretch_s is {stretch_s}; it is a time above zero, or None")
@@ -106,12 +106,12 @@ def reduce(
         raise ValueError("no experiment is given")
     store = Store(out)
     store.require_ours({_MERGED: _MARK})
-    with _engines.started(engine, workers, address, retries) as driver, telling(progress) as tell:
+    with _engines.started(engine, workers, address, retries) as driver, reporting(progress) as report_stage:
         described = [_described(os.fspath(path), data, robot, instruments_from) for path in paths]
         jobs = _parts(driver, store, described, stretch_s)
         for done in run_missing(driver, ReductionPart.work, jobs, store, _PARTS):
-            if tell is not None:
-                tell(f"{done} of {len(jobs)} parts")
+            if report_stage is not None:
+                report_stage(f"{done} of {len(jobs)} parts")
         merged = _merged(driver, store, [job.name for job in jobs], fan_in)
     content = store.read(merged)
     store.write(_MERGED, content)
@@ -125,7 +125,7 @@ class _Described:
     texts: _thetahat.ExperimentTexts
     data: str
     origin: str
-    """A name that follows from all that is read."""
+    """A name derived from all inputs."""
     recordings: int
     instruments: dict[str, float] | None
 
@@ -149,7 +149,7 @@ def _parts(
     else:
         spans = driver.all(Spans.work, [Spans(one.texts, one.data) for one in described])
         for one in (one for one, of_one in zip(described, spans, strict=True) if not of_one):
-            raise ValueError(f"{one.texts[0]}: is of a twin, whose time is not cut in stretches: leave out stretch_s")
+            raise ValueError(f"{one.texts[0]}: describes a twin, which cannot be split in time: leave out stretch_s")
         windows = [[stretches(span, stretch_s) for span in of_one] for of_one in spans]
     return [
         _part(store, one, recording, window)
@@ -165,7 +165,7 @@ def _part(store: Store, one: _Described, recording: int, window: tuple[float, fl
 
 
 def stretches(span: tuple[float, float], stretch_s: float) -> list[tuple[float, float] | None]:
-    """A time in stretches of about the same length, none longer than asked for.
+    """A time span in segments of about the same length, none longer than requested.
 
     Examples
     --------
@@ -179,7 +179,7 @@ def stretches(span: tuple[float, float], stretch_s: float) -> list[tuple[float, 
 
 
 def _merged(driver: Driver, store: Store, names: list[str], fan_in: int) -> str:
-    """Merges level by level, each time neighbours; the name of what is left."""
+    """Merges neighbours, level by level; returns the name of the result."""
     while len(names) > 1:
         groups = [names[k : k + fan_in] for k in range(0, len(names), fan_in)]
         named = [(group[0] if len(group) == 1 else _name(group), group) for group in groups]

@@ -1,15 +1,15 @@
-"""What sessions of a fleet say of one parameter: whether it differs between robots, moves over time, scatters.
+"""Statistics of one parameter over the sessions of a fleet: differences between robots, change over time, scatter.
 
 | letter | word | shape |
 | --- | --- | --- |
 | ``x, s`` | estimates and their standard deviations | (sessions,) |
 | ``w`` | weights, ``1 / s^2`` | (sessions,) |
 | ``t`` | times | (sessions,) |
-| ``c`` | dispersion: by how much variances are larger than stated, 1 at the least | |
+| ``c`` | dispersion: ratio of the scatter to the stated variances, at least 1 | |
 | ``nu`` | degrees of freedom of ``c`` | |
 
 Each robot has its own line ``x = a + b (t - mean t)``. The scatter about the lines gives ``c``; where it is above 1, variances are
-multiplied by it and tests are of F and t with ``nu`` degrees of freedom in the place of chi-squared and normal.
+multiplied by it and tests use F and t with ``nu`` degrees of freedom instead of chi-squared and normal.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from .. import _thetahat
 from .._arrays import Array
 
-# Degrees of freedom of a t that is normal to every digit that is printed.
+# Degrees of freedom from which t equals the normal distribution in every printed digit.
 _NORMAL = 1e9
 
 
@@ -39,22 +39,22 @@ class Line(NamedTuple):
 
     @property
     def has_slope(self) -> bool:
-        """Whether its sessions are of several times."""
+        """Whether its sessions have different times."""
         return math.isfinite(self.slope_variance)
 
 
 class Dispersion(NamedTuple):
-    """How far estimates scatter about the robots' lines, against their covariances."""
+    """The scatter of estimates about the robots' lines over their covariances."""
 
     factor: float
     """Sum of squares by degrees of freedom; NaN without any."""
     freedom: int
     p_value: float
-    """Of the chi-squared test that the covariances tell all."""
+    """The p-value of the chi-squared test that the covariances explain the scatter."""
 
     @property
     def scale(self) -> float:
-        """What variances are multiplied by."""
+        """The factor on variances."""
         return self.factor if self.factor > 1.0 else 1.0
 
     @property
@@ -67,7 +67,7 @@ class Test(NamedTuple):
     """A Wald test."""
 
     statistic: float
-    """Chi-squared where variances are as stated, else so many times an F."""
+    """Chi-squared with the stated variances, otherwise F times the degrees of freedom."""
     freedom: int
     p_value: float
     """NaN without a degree of freedom."""
@@ -105,13 +105,13 @@ def dispersion_of(lines: list[Line]) -> Dispersion:
 
 
 def between_robots(lines: list[Line], dispersion: Dispersion) -> Test:
-    """Whether the robots' means are one."""
+    """Tests whether the robots' means are equal."""
     means, variances = _means(lines, dispersion)
     return _test((means - _weighted(means, variances)) ** 2 / variances, len(lines) - 1, dispersion)
 
 
 def over_time(lines: list[Line], dispersion: Dispersion) -> Test:
-    """Whether all robots' slopes are zero."""
+    """Tests whether all robots' slopes are zero."""
     slopes, variances = _slopes(lines, dispersion)
     return _test(slopes**2 / variances, len(slopes), dispersion)
 
@@ -131,15 +131,15 @@ def common_slope(lines: list[Line], dispersion: Dispersion) -> Estimate:
 
 
 def slope(line: Line, dispersion: Dispersion) -> Estimate:
-    """A robot's slope, with its interval of 95 %."""
+    """A robot's slope, with its 95 % interval."""
     return _estimate(line.slope, dispersion.scale * line.slope_variance, dispersion)
 
 
 def from_the_median(lines: list[Line], dispersion: Dispersion) -> list[Estimate]:
-    """How far each robot's mean is from the median of all, which a few robots that differ do not move.
+    """The distance of each robot's mean from the median of all, which is robust to a few different robots.
 
     The variance of the median is taken as that of normal means, and its covariance with the robot's own mean as zero: tests reject less
-    than they may, most of all in fleets of few robots.
+    than they could, mostly in fleets of few robots.
     """
     means, variances = _means(lines, dispersion)
     median, variance = float(np.median(means)), 0.5 * math.pi * float(np.mean(variances)) / len(lines)

@@ -1,4 +1,4 @@
-"""Where parts and results are kept: a folder, or objects below an ``s3://`` prefix. Both are written whole or not at all."""
+"""Storage of parts and results: a folder, or objects below an ``s3://`` prefix. Both are written atomically."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from .. import _thetahat
 from ..errors import EngineError, ReportError
 
 _REMOTE = "s3://"
-# First bytes among which a mark stands.
+# Number of first bytes that contain a mark.
 _HEAD = 512
-# Objects that are read at a time.
+# Objects read in parallel.
 _AT_ONCE = 32
 
 
 def is_remote(place: str) -> bool:
-    """Whether a place is a prefix of objects, and no folder."""
+    """Whether a place is a prefix of objects rather than a folder."""
     return place.startswith(_REMOTE)
 
 
 def content_name(*content: object) -> str:
-    """A name that follows from content, and from the version of thetahat that works on it: 32 hexadecimal digits."""
+    """A name derived from content and the version of thetahat: 32 hexadecimal digits."""
     text = json.dumps([_thetahat.VERSION, *content], sort_keys=True, default=os.fspath)
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
@@ -42,7 +42,7 @@ class Store:
     Parameters
     ----------
     place : path or str
-        A folder that all workers see, or ``s3://bucket/prefix``, with pyarrow's options behind a question mark.
+        A folder that all workers can access, or ``s3://bucket/prefix``, with pyarrow's options after a question mark.
     """
 
     def __init__(self, place: str | os.PathLike[str]) -> None:
@@ -67,9 +67,9 @@ class Store:
         return pathlib.Path(self._path(name)).read_bytes()
 
     def write(self, name: str, content: bytes) -> None:
-        """Write a file: who reads it finds all of it, or the one of before, or none."""
+        """Write a file atomically: readers find the old one or the new one."""
         if self._system:
-            # An object is there when its upload is completed.
+            # An object exists once its upload is complete.
             with self._system.open_output_stream(self._path(name)) as stream:
                 stream.write(content)
             return
@@ -94,7 +94,7 @@ class Store:
         return {f"{folder}/{entry.name}" for entry in entries if entry.is_file() and not entry.name.startswith(".")}
 
     def stamps(self, names: Sequence[str]) -> list[tuple[str, int, int]]:
-        """Name, size and time of change of objects; those that are not there are left out."""
+        """Name, size and time of change of the objects that exist."""
         infos = self._system.get_file_info([self._path(name) for name in names]) if names else []
         return [(name, info.size, info.mtime_ns) for name, info in zip(names, infos, strict=True) if info.is_file]
 
@@ -106,7 +106,7 @@ class Store:
             os.unlink(self._path(name))
 
     def read_all(self, names: Sequence[str]) -> Iterator[bytes]:
-        """The content of files, in their order; of objects several at a time, since each takes its way."""
+        """The content of files, in their order; objects are read in parallel."""
         if not self._system:
             yield from map(self.read, names)
             return
@@ -115,26 +115,26 @@ class Store:
                 yield from pool.map(self.read, names[first : first + 8 * _AT_ONCE])
 
     def require_ours(self, marks: Mapping[str, str]) -> None:
-        """Refuse to replace files of others: those that are there have these marks among their first characters."""
+        """Refuse to replace files that thetahat did not write: its own have these marks among their first characters."""
         there = {name.rsplit("/", 1)[-1] for name in self.names("")}
         for name, mark in marks.items():
             if name in there and mark.encode() not in self.read(name)[:_HEAD]:
                 raise ReportError(
-                    f"{self.place}/{name}: is there already and not known to be written by thetahat; take another place, or delete it"
+                    f"{self.place}/{name}: exists and was not written by thetahat; take another place, or delete it"
                 )
 
     def require(self, names: Sequence[str]) -> None:
-        """Refuse to go on without files that a worker says it wrote."""
+        """Refuse to continue without the files that a worker has written."""
         missing = [name for name in names if not self._system and not os.path.exists(self._path(name))]
         if missing:
             raise EngineError(
-                f"{self.place}: a worker wrote {missing[0]} and it is not there: workers have another folder of that name; "
-                "take a folder that all of them share, or s3://"
+                f"{self.place}: a worker wrote {missing[0]}, which does not exist here: workers have another folder of that name; "
+                "use a folder that all of them share, or s3://"
             )
 
     @contextlib.contextmanager
     def as_folder(self, *files: str, parts: str) -> Iterator[str]:
-        """The store as a folder of this machine: itself, or a copy of some files and of all parts, which is brought back."""
+        """The store as a local folder: itself, or a copy of some files and of all parts, which is copied back."""
         if not self._system:
             yield self._root
             return
@@ -147,7 +147,7 @@ class Store:
                 self.delete(name)
 
     def send(self, folder: str, *files: str) -> None:
-        """Copy files that a folder of this machine has, where the store is another."""
+        """Copy files of a local folder to another store."""
         if self._system:
             for name in files:
                 path = pathlib.Path(folder, name)
@@ -155,7 +155,7 @@ class Store:
                     self.write(name, path.read_bytes())
 
     def bring_parts(self, folder: str, parts: str) -> None:
-        """Copy the parts that a folder of this machine does not have."""
+        """Copy the parts that a local folder does not have."""
         if self._system:
             copy = Store(folder)
             missing = sorted(self.names(parts) - copy.names(parts))
@@ -175,7 +175,7 @@ class Store:
 
 @functools.lru_cache(maxsize=8)
 def _remote(place: str) -> tuple[Any, str]:
-    """The file system of a place, made once in a process, and the path in it."""
+    """The file system of a place, created once per process, and the path in it."""
     system, root = _pyarrow_fs(place).FileSystem.from_uri(place)
     return system, root.rstrip("/")
 

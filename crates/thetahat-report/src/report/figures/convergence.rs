@@ -1,6 +1,6 @@
-//! How iterations went.
+//! Convergence of the iterations.
 
-use super::figure::{Figure, keys_of};
+use super::figure::{Figure, in_case, keys_of};
 use crate::{
     report::{
         number::significant,
@@ -12,7 +12,7 @@ use crate::{
 
 const HEIGHT: f64 = 130.0;
 
-/// Ratios to the last estimate that a chart shows at most.
+/// Range of the ratios to the last estimate that a chart shows.
 const RATIOS: Range = Range { low: -1.0, high: 3.0 };
 
 /// The relative errors, the largest changes, and each run's estimates over its last ones.
@@ -33,7 +33,7 @@ pub(in crate::report) fn convergence(results: &Results, case: &str) -> Option<Fi
     charts.extend(runs.iter().map(|r| ratio_chart(r)));
     (!runs.is_empty()).then(|| Figure {
         conclusion: conclusion(&runs),
-        caption: format!("what each iteration gives ({case})"),
+        caption: format!("results of each iteration{}", in_case(results, case)),
         legend: keys_of(runs.iter().map(|r| r.method)),
         charts,
         ..Figure::default()
@@ -65,13 +65,13 @@ fn over_iterations(title: &str, curves: &[Curve], by_powers: bool) -> Chart {
     })
 }
 
-/// Each shown parameter's estimates over its last one.
+/// Each shown parameter's estimates over its last estimate.
 fn ratio_chart(run: &RunResult) -> Chart {
     let curves = ratios(run);
     let is_outside = |c: &&Curve| c.points.iter().any(|p| p.1 < RATIOS.low || p.1 > RATIOS.high);
     let outside = match curves.iter().filter(is_outside).count() {
         0 => String::new(),
-        count => format!(" ({count} leave the picture)"),
+        count => format!(" ({count} leave the chart)"),
     };
     let found = Range::of(curves.iter().flat_map(|c| c.points.iter().map(|p| p.1)));
     let shown = Range { low: found.low.clamp(RATIOS.low, 0.9), high: found.high.clamp(1.1, RATIOS.high) };

@@ -1,4 +1,4 @@
-//! Which parameters the motion does not tell apart.
+//! Parameters that the motion cannot separate.
 
 use super::figure::{Figure, Key, main_run, named};
 use crate::{
@@ -9,9 +9,9 @@ use crate::{
     results::{Results, RunResult},
 };
 
-/// Correlations that are drawn, by the class of their colour, from the smallest.
+/// Correlations that are drawn, in ascending order, with the class of their colour.
 const LEVELS: [(f64, &str); 4] = [(0.3, "r1"), (0.5, "r2"), (0.7, "r3"), (0.9, "r4")];
-/// Correlation from which a pair is named, and most pairs that are named.
+/// Correlation from which a pair is named, and the largest number of named pairs.
 const CONFOUNDED: f64 = 0.9;
 const NAMED: usize = 5;
 /// Side of the picture, and longest side of a cell, pixels.
@@ -20,20 +20,20 @@ const CELL: f64 = 24.0;
 /// Space for the names, pixels.
 const NAMES: f64 = 74.0;
 
-/// The map of a case; none with a single parameter.
+/// The correlation map of a case; none with a single parameter.
 pub(in crate::report) fn correlation(results: &Results, case: &str) -> Option<Figure> {
     let run = main_run(results, case).filter(|r| r.plots.correlation.len() > 1)?;
     let conclusion = match confounded(run) {
         pairs if pairs.is_empty() => {
-            format!("No two parameters are correlated by {CONFOUNDED} or more: the motion tells them apart.")
+            format!("No two parameters are correlated by {CONFOUNDED} or more: the motion separates them.")
         }
         pairs => pairs.join(" "),
     };
     let key = |(level, class): (f64, &'static str)| Key::new(class, format!("from {level}"));
     Some(Figure {
         conclusion,
-        caption: format!("correlations of the estimates' errors ({})", named(results, run)),
-        legend: LEVELS.map(key).into_iter().chain([Key::new("negative", "of unlike sign")]).collect(),
+        caption: format!("correlations of the estimation errors ({})", named(results, run)),
+        legend: LEVELS.map(key).into_iter().chain([Key::new("negative", "negative")]).collect(),
         charts: vec![map(run)],
         notes: vec!["By the classical covariance. A pair is correlated where the torque hardly changes when one grows and the other \
                      shrinks (a negative correlation) or grows too (a positive one): their sum or their difference is known better \
@@ -85,10 +85,10 @@ fn map(run: &RunResult) -> Chart {
 fn squares(correlation: &[Vec<f64>], side: f64) -> Vec<Path> {
     let unit = |v: f64| (v * UNITS).round() as i64;
     let width = unit(0.92 * side);
-    let of = |class: String, wanted: &dyn Fn(f64) -> bool| {
+    let of = |class: String, is_level: &dyn Fn(f64) -> bool| {
         let mut data = String::new();
         for (i, row) in correlation.iter().enumerate() {
-            for (j, _) in row.iter().take(i).enumerate().filter(|(_, r)| wanted(**r)) {
+            for (j, _) in row.iter().take(i).enumerate().filter(|(_, r)| is_level(**r)) {
                 let (x, y) = (unit(j as f64 * side), unit(i as f64 * side));
                 data.push_str(&format!("M{x} {y}h{width}v{width}h-{width}z"));
             }
@@ -106,7 +106,7 @@ fn squares(correlation: &[Vec<f64>], side: f64) -> Vec<Path> {
     levels.filter(|path| !path.data.is_empty()).collect()
 }
 
-/// Each parameter's name beside its row, at the end of which its column begins.
+/// Each parameter's name next to its row, at the end of which its column begins.
 fn names(run: &RunResult, (left, top): (f64, f64), side: f64) -> Vec<Text> {
     let text = |(i, p): (usize, &crate::results::ParameterResult)| {
         let y = pixel(top + (i as f64 + 0.5) * side + 3.5);

@@ -1,4 +1,4 @@
-//! Relative errors, joint by method.
+//! Relative errors by joint and method.
 
 use serde::Serialize;
 
@@ -18,7 +18,7 @@ const FULL: f64 = 100.0;
 pub(in crate::report) struct Heat {
     pub(in crate::report) conclusion: String,
     pub(in crate::report) title: String,
-    /// Headings of the columns behind the first.
+    /// Headings of the columns after the first.
     pub(in crate::report) head: Vec<String>,
     pub(in crate::report) rows: Vec<HeatRow>,
     pub(in crate::report) note: String,
@@ -27,40 +27,40 @@ pub(in crate::report) struct Heat {
 #[derive(Debug, Serialize)]
 pub(in crate::report) struct HeatRow {
     pub(in crate::report) name: String,
-    /// Whether it is the one whose numbers are taken.
-    pub(in crate::report) is_taken: bool,
+    /// Whether it is the recommended run.
+    pub(in crate::report) is_recommended: bool,
     pub(in crate::report) cells: Vec<HeatCell>,
 }
 
 #[derive(Debug, Serialize)]
 pub(in crate::report) struct HeatCell {
     pub(in crate::report) text: String,
-    /// Part of the full colour, percent; none without a number.
+    /// Share of the full colour, percent; none without a number.
     pub(in crate::report) percent: Option<u32>,
     /// Whether it is the worst joint of its run.
     pub(in crate::report) is_worst: bool,
 }
 
-/// The errors of every run; none where there is one joint and one run.
+/// The errors of every run; none for one joint and one run.
 pub(in crate::report) fn errors(results: &Results) -> Option<Heat> {
     let runs: Vec<&RunResult> = results.runs.iter().filter(|r| r.relative_error_percent.is_some()).collect();
     let joints = runs.iter().map(|r| r.joint_relative_error_percent.len()).max()?;
-    let taken = results.recommended_run();
+    let recommended = results.recommended_run();
     let is_usable = results.verdict != Some(Verdict::DoNotUse);
     let row = |r: &&RunResult| HeatRow {
         name: if results.cases().len() > 1 { format!("{} {}", r.case, r.method) } else { r.method.to_string() },
-        is_taken: is_usable && taken.is_some_and(|t| t.case == r.case && t.method == r.method),
+        is_recommended: is_usable && recommended.is_some_and(|t| t.case == r.case && t.method == r.method),
         cells: cells(r, joints),
     };
     let of_joint = |j| format!("joint {}", j + 1);
     let of_positions = runs.iter().any(|r| r.method == Method::CLOE);
     (joints > 1 || runs.len() > 1).then(|| Heat {
-        conclusion: taken.and_then(|r| conclusion(results, r)).unwrap_or_default(),
+        conclusion: recommended.and_then(|r| conclusion(results, r)).unwrap_or_default(),
         title: if of_positions { "Relative errors, %" } else { "Relative errors of the torque, %" }.to_owned(),
-        head: ["all", "unseen"].map(str::to_owned).into_iter().chain((0..joints).map(of_joint)).collect(),
+        head: ["all", "validation"].map(str::to_owned).into_iter().chain((0..joints).map(of_joint)).collect(),
         rows: runs.iter().map(row).collect(),
         note: format!(
-            "Rms of the residual over rms of the measured signal{}; unseen: on data that the estimate was not made from. The darker, \
+            "Rms of the residual over rms of the measured signal{}; validation: on data not used for the estimate. The darker, \
              the larger; the full colour is 100 % or more.",
             if of_positions { ", of the positions for cloe, of the torque for the others" } else { "" }
         ),

@@ -10,12 +10,12 @@ use crate::{
 /// Charts with one legend.
 #[derive(Debug, Default, Serialize)]
 pub(in crate::report) struct Figure {
-    /// What the pictures say, as a sentence.
+    /// The conclusion from the charts, as a sentence.
     pub(in crate::report) conclusion: String,
     pub(in crate::report) caption: String,
     pub(in crate::report) legend: Vec<Key>,
     pub(in crate::report) charts: Vec<Chart>,
-    /// What the marks are.
+    /// The meaning of the marks.
     pub(in crate::report) notes: Vec<String>,
 }
 
@@ -25,7 +25,7 @@ pub(in crate::report) struct Key {
     /// The class that colours it.
     pub(in crate::report) class: &'static str,
     pub(in crate::report) name: String,
-    /// Whether it is shown at first, where a switch shows and hides it.
+    /// Whether it is shown at first, if a switch shows and hides it.
     pub(in crate::report) switch: Option<bool>,
 }
 
@@ -45,13 +45,18 @@ pub(in crate::report) fn keys_of(methods: impl IntoIterator<Item = Method>) -> V
     methods.into_iter().map(|m| Key::new(m.name(), m.name())).collect()
 }
 
-/// The run of a case whose numbers are taken; the first one with numbers where none is.
+/// The recommended run of a case, or otherwise the first run with estimates.
 pub(super) fn main_run<'a>(results: &'a Results, case: &str) -> Option<&'a RunResult> {
-    let taken = results.taken_in(case).filter(|r| !r.parameters.is_empty());
-    taken.or_else(|| results.runs.iter().find(|r| r.case == case && !r.parameters.is_empty()))
+    let recommended = results.recommended_run_in(case).filter(|r| !r.parameters.is_empty());
+    recommended.or_else(|| results.runs.iter().find(|r| r.case == case && !r.parameters.is_empty()))
 }
 
-/// How a run is named where a figure is of it alone.
+/// The case in brackets after a caption; empty if there is only one.
+pub(super) fn in_case(results: &Results, case: &str) -> String {
+    if results.cases().len() > 1 { format!(" ({case})") } else { String::new() }
+}
+
+/// The name of a run in a figure of one run.
 pub(super) fn named(results: &Results, run: &RunResult) -> String {
     if results.cases().len() > 1 {
         format!("{}, {}", run.case, run.method.name())
@@ -74,10 +79,10 @@ mod tests {
         )
     }
 
-    /// Of a reduction: there is no advice.
+    /// Results of a reduction, which have no advice.
     fn without_advice(runs: &[String]) -> Results {
         let text = format!(
-            r#"{{ "schema": 1, "thetahat": "0.1.0", "robot": "A", "title": "T", "samples_used": 100, "decimated_rows": 10,
+            r#"{{ "schema": 2, "thetahat": "0.1.0", "robot": "A", "title": "T", "samples_used": 100, "decimated_rows": 10,
                 "recordings": [], "validation_recordings": [], "seed": null, "elimination": null, "verdict": "good",
                 "robot_joints": [], "bandwidth": {{ "position_cutoff_hz": 50.0, "decimation_cutoff_hz": 20.0 }},
                 "experiment_description": "", "robot_description": "", "advice": [], "runs": [{}] }}"#,
@@ -87,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn figures_are_of_the_run_that_the_card_takes() {
+    fn figures_show_the_run_that_the_card_recommends() {
         let results = without_advice(&[run("idim-ls", "converged"), run("idim-iv", "converged")]);
         let main = main_run(&results, "nominal").map(|run| run.method);
         assert_eq!((main, results.card().method), (Some(Method::IDIM_IV), Some(Method::IDIM_IV)));

@@ -1,8 +1,8 @@
-//! Estimates with their intervals, a row each: how wide they are, and how far other methods and known values lie off.
+//! Estimates with their intervals, a row each, compared with other methods and known values.
 
 use serde::Serialize;
 
-use super::figure::{Key, main_run};
+use super::figure::{Key, in_case, main_run, named};
 use crate::{
     report::{
         grades::{self, counted},
@@ -29,7 +29,7 @@ const MARGIN: f64 = 12.0;
 /// A table of estimates with a picture in each row.
 #[derive(Debug, Serialize)]
 pub(in crate::report) struct Forest {
-    /// Names the lines behind its pictures.
+    /// Id of the grid lines of its pictures.
     pub(in crate::report) id: String,
     pub(in crate::report) conclusion: String,
     pub(in crate::report) caption: String,
@@ -78,22 +78,24 @@ pub(in crate::report) fn forest(results: &Results, published: Option<&Published>
     Some(Forest { conclusion: format!("{all} parameters: {}{rule}.", counted(counts)), ..forest })
 }
 
-/// Those that are not identified.
+/// The parameters that are not identified.
 pub(in crate::report) fn not_identified(
     results: &Results,
     published: Option<&Published>,
     case: &str,
 ) -> Option<Forest> {
-    of_parameters(results, published, (case, "parameters that are not identified"), |run, p| !is_first(run, p))
+    let forest = of_parameters(results, published, (case, "not identified"), |run, p| !is_first(run, p))?;
+    let count: usize = forest.groups.iter().map(|group| group.rows.len()).sum();
+    Some(Forest { caption: format!("Parameters not identified ({count}){}", in_case(results, case)), ..forest })
 }
 
-/// Whether a parameter is among those that are identified; where none is, among those that are shown.
+/// Whether a parameter is identified, or shown if none is identified.
 fn is_first(run: &RunResult, parameter: &ParameterResult) -> bool {
     let identified = |p: &ParameterResult| run.grade(p) != Grade::NotIdentified;
     identified(parameter) || (parameter.shown && !run.parameters.iter().any(identified))
 }
 
-/// What a design predicts: intervals about the a-priori values, without those that are zero.
+/// The predicted intervals of a design about the a-priori values that are not zero.
 pub(in crate::report) fn predicted_forest(results: &DesignResults) -> Option<Forest> {
     let known: Vec<&PredictedParameter> = results.predicted.iter().filter(|p| p.a_priori != 0.0).collect();
     let mut groups: Vec<ForestGroup> = Vec::new();
@@ -123,14 +125,14 @@ fn of_parameters(
     results: &Results,
     published: Option<&Published>,
     (case, what): (&str, &str),
-    wanted: fn(&RunResult, &ParameterResult) -> bool,
+    is_listed: fn(&RunResult, &ParameterResult) -> bool,
 ) -> Option<Forest> {
     let main = main_run(results, case)?;
     let others = runs_of(results, case).into_iter().filter(|r| r.method != main.method && !r.parameters.is_empty());
-    let says_formulas = results.cases().first() == Some(&case);
-    let plot = Plot { runs: [main].into_iter().chain(others).collect(), published, says_formulas };
+    let shows_formulas = results.cases().first() == Some(&case);
+    let plot = Plot { runs: [main].into_iter().chain(others).collect(), published, shows_formulas };
     let mut groups: Vec<ForestGroup> = Vec::new();
-    for (k, parameter) in main.parameters.iter().enumerate().filter(|(_, p)| wanted(main, p)) {
+    for (k, parameter) in main.parameters.iter().enumerate().filter(|(_, p)| is_listed(main, p)) {
         let label = main.plots.numbers.get(k).map_or_else(String::new, |number| format!("Joint {number}"));
         let row = plot.row(k, parameter);
         match groups.iter_mut().find(|g| g.label == label) {
@@ -141,7 +143,7 @@ fn of_parameters(
     (!groups.is_empty()).then(|| Forest {
         conclusion: String::new(),
         id: id(case, what),
-        caption: format!("{what} of {} with 95 % intervals ({case})", main.method.name()),
+        caption: format!("{what} of {} with 95 % intervals", named(results, main)),
         legend: plot.legend(&groups),
         width: WIDTH,
         ticks: ticks(),
@@ -161,18 +163,19 @@ fn notes(run: &RunResult, groups: &[ForestGroup]) -> Vec<String> {
     let off = groups.iter().flat_map(|g| &g.rows).filter(is_off).count();
     let axis = format!(
         "The picture shows differences from the estimate of {}, in percent of its size; small differences are widened. The value \
-         zero lies at -100 % of a positive estimate, at +100 % of a negative one: an interval that reaches it holds zero.",
+         zero lies at -100 % of a positive estimate, at +100 % of a negative one: an interval that reaches it contains zero.",
         run.method.name()
     );
-    let arrows = (off > 0).then(|| format!("An arrow marks what lies beyond {FARTHEST} %, in {off} rows."));
-    let grades = "precise: the interval is within 20 % of the estimate; rough: it is wider, or friction near rest or a delay may have \
-                  moved the estimate further; not identified: it holds zero, or may have been moved from it; impossible: a motor \
+    let plural = if off == 1 { "" } else { "s" };
+    let arrows = (off > 0).then(|| format!("An arrow marks values beyond {FARTHEST} %, in {off} row{plural}."));
+    let grades = "precise: the interval is within 20 % of the estimate; rough: it is wider, or friction near rest or a delay may \
+                  shift the estimate by more; not identified: it contains zero, or would after such a shift; impossible: a motor \
                   inertia or friction below zero. \
                   Intervals allow for errors that are correlated from row to row.";
     [Some(axis), arrows, Some(grades.to_owned())].into_iter().flatten().collect()
 }
 
-/// Place of a difference in percent of the estimate; beyond the farthest one at the end.
+/// Position of a difference in percent of the estimate; at the end beyond the largest difference.
 fn place(percent: f64) -> f64 {
     let scaled = |p: f64| (p / LINEAR).asinh();
     let half = 0.5 * WIDTH - MARGIN;
@@ -185,12 +188,12 @@ fn ticks() -> Vec<Tick> {
     all.map(|t| Tick { at: pixel(place(t)), label: if t > 0.0 { format!("+{t}") } else { t.to_string() } }).collect()
 }
 
-/// What the rows are drawn from: the run that is taken comes first.
+/// The data of the rows: the recommended run comes first.
 struct Plot<'a> {
     runs: Vec<&'a RunResult>,
     published: Option<&'a Published>,
-    /// Whether rows tell the formulas of their parameters: those of the first case do.
-    says_formulas: bool,
+    /// Whether rows show the formulas of their parameters: those of the first case do.
+    shows_formulas: bool,
 }
 
 impl Plot<'_> {
@@ -203,12 +206,12 @@ impl Plot<'_> {
         ForestRow {
             height: HEIGHT + LANE * self.runs.len() as f64,
             shapes: intervals.flatten().chain(marks).collect(),
-            formula: if self.says_formulas { of_main.expression.clone() } else { String::new() },
+            formula: if self.shows_formulas { of_main.expression.clone() } else { String::new() },
             ..words(of_main, self.runs[0].grade(of_main))
         }
     }
 
-    /// What is known of a parameter beside the estimates.
+    /// Known values of a parameter: true, a priori, published.
     fn marks(&self, k: usize, parameter: &ParameterResult) -> Vec<(&'static str, f64)> {
         let main = self.runs[0];
         let a_priori = main.plots.a_priori.get(k).copied().flatten();
@@ -217,7 +220,7 @@ impl Plot<'_> {
         all.into_iter().filter_map(|(class, value)| Some((class, value?))).collect()
     }
 
-    /// The methods, and the marks that rows have.
+    /// The methods, and the marks in the rows.
     fn legend(&self, groups: &[ForestGroup]) -> Vec<Key> {
         let methods = self.runs.iter().map(|r| Key::new(r.method.name(), r.method.name()).switched(true));
         let has = |class: &str| groups.iter().flat_map(|g| &g.rows).flat_map(|r| &r.shapes).any(|s| s.class == class);
@@ -264,7 +267,7 @@ fn percent(value: f64, centre: f64) -> f64 {
     if value == centre { 0.0 } else { 100.0 * (value - centre) / centre.abs() }
 }
 
-/// The interval of one method: a line, a dot at the estimate, and an arrow at each end that lies beyond the axis.
+/// The interval of one method: a line, a dot at the estimate, and an arrow at each end beyond the axis.
 fn interval(method: &str, centre: f64, of_run: &ParameterResult, y: f64) -> Vec<Shape> {
     let ends = of_run.interval_95.unwrap_or([of_run.estimate; 2]).map(|e| percent(e, centre));
     let at = percent(of_run.estimate, centre);
@@ -284,7 +287,7 @@ fn tip(percent: f64) -> f64 {
     if percent < 0.0 { MARGIN - 9.0 } else { WIDTH - MARGIN + 9.0 }
 }
 
-/// An arrow head where something lies beyond the axis.
+/// An arrow head for a value beyond the axis.
 fn arrow(percent: f64, method: &str, y: f64) -> Option<Shape> {
     let (end, back) = (tip(percent), if percent < 0.0 { 7.0 } else { -7.0 });
     (percent.abs() > FARTHEST).then(|| Shape {
@@ -338,7 +341,7 @@ mod tests {
         let [low, high] = [-5.0, 5.0].map(|p| pixel(place(p)));
         assert_eq!(bar.data, format!("M{low} 5H{high}"));
         assert_eq!(dot.data, format!("M{} 5h0", 0.5 * WIDTH));
-        assert!((low + high - WIDTH).abs() < 0.2, "as far to both sides");
+        assert!((low + high - WIDTH).abs() < 0.2, "equally far to both sides");
     }
 
     #[test]

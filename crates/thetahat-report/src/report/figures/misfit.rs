@@ -1,4 +1,4 @@
-//! What the residual depends on: its own past, frequency, velocity, position and load.
+//! The residual over lag, frequency, velocity, position and load.
 
 use super::figure::{Figure, Key, main_run, named};
 use crate::{
@@ -12,10 +12,10 @@ use crate::{
 
 const HEIGHT: f64 = 110.0;
 
-/// Spread of a residual's mean over another quantity, in half of the range of 80 % of it, above which it is said.
-const TELLING: f64 = 0.2;
+/// Spread of a residual's mean over another quantity, relative to half of its 80 % range, above which it is reported.
+const NOTABLE: f64 = 0.2;
 
-/// Five figures of the run whose numbers are taken; none where it has no residual, or nothing was measured.
+/// Five figures of the recommended run; none without a residual or measurement.
 pub(in crate::report) fn misfit(results: &Results, case: &str) -> Vec<Figure> {
     let Some(run) = main_run(results, case).filter(|r| !r.plots.residual.is_empty()) else { return Vec::new() };
     let velocity: [Over; 3] = [
@@ -65,9 +65,9 @@ fn autocorrelation(results: &Results, run: &RunResult) -> Figure {
     let largest =
         run.plots.residual.iter().filter_map(|c| c.autocorrelation.first()).fold(0.0, |a: f64, r| a.max(r.abs()));
     let conclusion = match outside {
-        0 => "Neighbouring rows of no joint's residual are correlated: it looks like noise.".to_owned(),
+        0 => "Adjacent rows of the residual are not correlated at any joint: it looks like noise.".to_owned(),
         count => format!(
-            "Neighbouring rows of {count} of {} joints' residuals are correlated (up to {}): the residual is more than white noise.",
+            "Adjacent rows of the residual are correlated at {count} of {} joints (up to {}): the residual is more than white noise.",
             run.plots.residual.len(),
             significant(largest, 2)
         ),
@@ -105,7 +105,7 @@ fn spectrum(results: &Results, run: &RunResult) -> Figure {
     let outside = cutoffs
         .iter()
         .filter(|(_, hz)| *hz > end)
-        .map(|(name, hz)| format!("The cut-off of the {name}, {} Hz, lies beyond the picture.", significant(*hz, 3)));
+        .map(|(name, hz)| format!("The cut-off of the {name}, {} Hz, is beyond the chart.", significant(*hz, 3)));
     Figure {
         caption: format!("spectral density of the residual ({})", named(results, run)),
         charts: charts(results, run, chart),
@@ -140,23 +140,23 @@ impl Over {
         Figure {
             conclusion: self.conclusion(results, run),
             caption: format!("{} ({})", self.caption, named(results, run)),
-            legend: vec![Key::new(method, "mean of the residual"), Key::new("spread", "where 80 % of it lie")],
+            legend: vec![Key::new(method, "mean of the residual"), Key::new("spread", "range of 80 % of the residual")],
             charts: charts(results, run, chart),
             ..Figure::default()
         }
     }
 
-    /// The joint whose residual this quantity explains most of, where it explains much.
+    /// The joint with the strongest dependence on this quantity, if it is strong.
     fn conclusion(&self, results: &Results, run: &RunResult) -> String {
         let parts = run.plots.residual.iter().enumerate().map(|(j, c)| (j, explained((self.of)(c))));
         match parts.max_by(|a, b| a.1.total_cmp(&b.1)) {
-            Some((j, part)) if part > TELLING => format!(
-                "The {} matters most for {}: over it the mean of the residual varies {} times as much as the residual scatters.",
+            Some((j, part)) if part > NOTABLE => format!(
+                "The residual depends most on {} at {}: its mean varies {} times as much as it scatters.",
                 self.what,
                 units::joint(results, j),
                 significant(part, 2)
             ),
-            Some(_) | None => format!("No joint's residual depends much on the {}.", self.what),
+            Some(_) | None => format!("The residual depends little on the {} at every joint.", self.what),
         }
     }
 }

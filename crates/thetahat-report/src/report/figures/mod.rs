@@ -6,7 +6,7 @@ mod errors;
 mod figure;
 mod forest;
 mod misfit;
-mod records;
+mod recording_curves;
 mod skeleton;
 mod torques;
 mod tracking;

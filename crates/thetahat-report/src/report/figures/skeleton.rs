@@ -1,4 +1,4 @@
-//! A picture of the robot: its frames in the mean pose, and the way of the last one.
+//! A picture of the robot: its frames in the mean pose, and the path of the last frame.
 
 use super::figure::{Figure, Key};
 use crate::{
@@ -10,7 +10,7 @@ const WIDTH: f64 = 260.0;
 const HEIGHT: f64 = 220.0;
 /// Length of the axis marks, of the size of the picture.
 const AXIS: f64 = 0.07;
-/// Direction from which the robot is seen, from the horizontal x axis and above the horizon, rad.
+/// View direction: azimuth from the horizontal x axis and elevation above the horizon, rad.
 const AZIMUTH: f64 = 0.9;
 const ELEVATION: f64 = 0.35;
 
@@ -19,7 +19,7 @@ pub(in crate::report) fn skeleton(results: &Results) -> Option<Figure> {
     skeleton_of(results.plots.skeleton.as_ref()?, &results.robot, "the robot in its mean pose")
 }
 
-/// None where the robot has no extent.
+/// None if the robot has no extent.
 pub(in crate::report) fn skeleton_of(skeleton: &Skeleton, robot: &str, caption: &str) -> Option<Figure> {
     let view = View::onto(skeleton.gravity);
     let points: Vec<[f64; 3]> = [[0.0; 3]]
@@ -33,7 +33,7 @@ pub(in crate::report) fn skeleton_of(skeleton: &Skeleton, robot: &str, caption: 
         legend: vec![
             Key::new("link", "links"),
             Key::new("joint-axis", "joint axes"),
-            Key::new("tool", "way of the last joint"),
+            Key::new("tool", "path of the last joint"),
         ],
         charts: vec![Chart::new(robot.to_owned(), "", WIDTH).with(HEIGHT, |p| draw(p, skeleton, (&view, size)))],
         notes: vec![
@@ -88,7 +88,7 @@ fn square(panel: Panel, curves: &[&Curve]) -> Panel {
     Panel { x: about(x, width), y: about(y, panel.height), left, width, ..panel }
 }
 
-/// The numbers of the joints; those that stand in one place share a label.
+/// The numbers of the joints; joints at the same position share a label.
 fn numbers(panel: &Panel, joints: &Curve) -> Vec<Text> {
     let (x_axis, y_axis): (Axis, Axis) = (panel.x_axis(), panel.y_axis());
     let mut texts: Vec<Text> = Vec::new();
@@ -103,14 +103,14 @@ fn numbers(panel: &Panel, joints: &Curve) -> Vec<Text> {
     texts
 }
 
-/// How a place is seen: to the right, and up.
+/// The directions of a view: to the right, and up.
 struct View {
     right: [f64; 3],
     up: [f64; 3],
 }
 
 impl View {
-    /// With gravity down; where there is none, with z up.
+    /// With gravity down, or z up without gravity.
     fn onto(gravity: [f64; 3]) -> Self {
         let size = dot(gravity, gravity).sqrt();
         let up = if size > 0.0 { gravity.map(|g| -g / size) } else { [0.0, 0.0, 1.0] };

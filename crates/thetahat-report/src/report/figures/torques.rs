@@ -1,8 +1,8 @@
-//! Measured against predicted torques, with the residual beneath.
+//! Measured and predicted torques, with the residual below.
 
 use super::{
-    figure::{Figure, Key, main_run},
-    records::Records,
+    figure::{Figure, Key, main_run, named},
+    recording_curves::RecordingCurves,
 };
 use crate::{
     report::{
@@ -20,50 +20,50 @@ const MEASURED: &str = "measured";
 const TORQUE: f64 = 124.0;
 const RESIDUAL: f64 = 58.0;
 
-/// Part of the size of a curve by which another may differ to count as the same.
+/// Relative difference up to which two curves count as equal.
 const SAME: f64 = 1e-9;
 
 /// The predictions of a run that a figure shows.
 type Prediction = fn(&RunResult) -> &[Vec<f64>];
 
-/// Torques of the recordings that a case was identified from.
+/// Torques of the recordings used for a case.
 pub(in crate::report) fn torques(results: &Results, case: &str) -> Option<Figure> {
     let Plots { time_s, measured, recordings, .. } = &results.plots;
-    figure(results, case, (&Records { time_s, measured, starts: recordings }, |r| &r.plots.predicted), "")
+    figure(results, case, (&RecordingCurves { time_s, measured, starts: recordings }, |r| &r.plots.predicted), "")
 }
 
-/// The same of the recordings that were held back.
+/// The same for the recordings held back.
 pub(in crate::report) fn held_back(results: &Results, case: &str) -> Option<Figure> {
     let plots = &results.plots.held_back;
-    let records = Records { time_s: &plots.time_s, measured: &plots.measured, starts: &plots.recordings };
+    let records = RecordingCurves { time_s: &plots.time_s, measured: &plots.measured, starts: &plots.recordings };
     figure(results, case, (&records, |r| &r.plots.held_back), "held back, not used for the estimate: ")
 }
 
 fn figure(
     results: &Results,
     case: &str,
-    (records, prediction): (&Records<'_>, Prediction),
+    (records, prediction): (&RecordingCurves<'_>, Prediction),
     which: &str,
 ) -> Option<Figure> {
     let of_case = results.runs.iter().filter(|r| r.case == case && !prediction(r).is_empty());
-    let taken = main_run(results, case).filter(|r| !prediction(r).is_empty())?;
+    let main = main_run(results, case).filter(|r| !prediction(r).is_empty())?;
     let runs: Vec<&RunResult> =
-        of_case.filter(|r| r.method == taken.method || !repeats_nominal(results, r, prediction)).collect();
+        of_case.filter(|r| r.method == main.method || !repeats_nominal(results, r, prediction)).collect();
     if records.time_s.is_empty() || records.measured.iter().flatten().all(|v| *v == 0.0) {
         return None;
     }
-    let charts = (0..records.measured.len()).map(|j| chart(results, records, j, (taken, &runs, prediction)));
-    let key = |r: &&RunResult| Key::new(r.method.name(), r.method.name()).switched(r.method == taken.method);
+    let charts = (0..records.measured.len()).map(|j| chart(results, records, j, (main, &runs, prediction)));
+    let key = |r: &&RunResult| Key::new(r.method.name(), r.method.name()).switched(r.method == main.method);
     Some(Figure {
-        caption: format!("{which}measured and predicted torque, residual beneath ({case}, {})", taken.method.name()),
+        caption: format!("{which}measured and predicted torque, residual below ({})", named(results, main)),
         legend: [Key::new(MEASURED, MEASURED).switched(true)].into_iter().chain(runs.iter().map(key)).collect(),
         charts: charts.collect(),
-        notes: notes(results, case, (taken, &runs, prediction)),
+        notes: notes(results, case, (main, &runs, prediction)),
         ..Figure::default()
     })
 }
 
-/// Whether a run predicts what its method predicts in the first case: no simulator is wrong for it.
+/// Whether a run has the prediction of its method in the first case: it does not use the simulator.
 fn repeats_nominal(results: &Results, run: &RunResult, prediction: Prediction) -> bool {
     let first = results.cases().first().and_then(|case| results.run(case, run.method)).filter(|r| r.case != run.case);
     let Some(first) = first else { return false };
@@ -75,21 +75,21 @@ fn repeats_nominal(results: &Results, run: &RunResult, prediction: Prediction) -
 fn notes(
     results: &Results,
     case: &str,
-    (taken, runs, prediction): (&RunResult, &[&RunResult], Prediction),
+    (main, runs, prediction): (&RunResult, &[&RunResult], Prediction),
 ) -> Vec<String> {
-    let residual = format!("Residual: measured less predicted. The titles are those of {}.", taken.method.name());
+    let residual = format!("Residual: measured minus predicted. Titles: errors of {}.", main.method.name());
     let all = results.runs.iter().filter(|r| r.case == case && !prediction(r).is_empty());
     let left_out: Vec<&str> =
         all.filter(|r| runs.iter().all(|s| s.method != r.method)).map(|r| r.method.name()).collect();
-    let same = (!left_out.is_empty()).then(|| format!("As in the first case: {}.", left_out.join(", ")));
+    let same = (!left_out.is_empty()).then(|| format!("Same as in the first case: {}.", left_out.join(", ")));
     [Some(residual), same].into_iter().flatten().collect()
 }
 
 fn chart(
     results: &Results,
-    records: &Records<'_>,
+    records: &RecordingCurves<'_>,
     joint: usize,
-    (taken, runs, prediction): (&RunResult, &[&RunResult], Prediction),
+    (main, runs, prediction): (&RunResult, &[&RunResult], Prediction),
 ) -> Chart {
     let measured = records.measured[joint].as_slice();
     let values = |r: &RunResult| prediction(r).get(joint).map_or(&[][..], Vec::as_slice).to_vec();
@@ -102,7 +102,7 @@ fn chart(
     let time = Range::of(records.time_s.iter().copied());
     let over_time = |panel: Panel, curves: &[Curve]| panel.around(curves.iter(), 0.0).over(time, 0.0).lines(curves);
     let unit = units::torque(results, joint);
-    let title = title(results, joint, [&values(taken), measured]);
+    let title = title(results, joint, [&values(main), measured]);
     Chart::new(title, "time, s", width)
         .with(TORQUE, |p| records.borders(over_time(p, &torques), true).named(unit))
         .with(RESIDUAL, |p| records.borders(over_time(p, &residuals), false).level("zero", 0.0).named("residual"))

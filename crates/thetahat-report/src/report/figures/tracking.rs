@@ -1,8 +1,8 @@
-//! The simulated closed loop against the record.
+//! The simulated closed loop compared with the recording.
 
 use super::{
-    figure::{Figure, keys_of},
-    records::Records,
+    figure::{Figure, in_case, keys_of},
+    recording_curves::RecordingCurves,
 };
 use crate::{
     report::{
@@ -15,12 +15,12 @@ use crate::{
 
 const HEIGHT: f64 = 110.0;
 
-/// Simulated less measured positions of a case.
+/// Simulated minus measured positions of a case.
 pub(in crate::report) fn tracking(results: &Results, case: &str) -> Option<Figure> {
     let runs: Vec<&RunResult> =
         runs_of(results, case).into_iter().filter(|r| !r.plots.simulated_position.is_empty()).collect();
     let Plots { time_s, position, recordings, .. } = &results.plots;
-    let records = Records { time_s, measured: position, starts: recordings };
+    let records = RecordingCurves { time_s, measured: position, starts: recordings };
     let width = if position.len() == 1 { WIDE } else { NARROW };
     let chart = |joint: usize| {
         let error = |r: &&RunResult| {
@@ -37,7 +37,7 @@ pub(in crate::report) fn tracking(results: &Results, case: &str) -> Option<Figur
             .zooming()
     };
     (!runs.is_empty() && !time_s.is_empty()).then(|| Figure {
-        caption: format!("simulated less measured position ({case})"),
+        caption: format!("simulated minus measured position{}", in_case(results, case)),
         legend: keys_of(runs.iter().map(|r| r.method)).into_iter().map(|k| k.switched(true)).collect(),
         charts: (0..position.len()).map(chart).collect(),
         ..Figure::default()

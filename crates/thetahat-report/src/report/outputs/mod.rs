@@ -11,7 +11,7 @@ use self::output::Output;
 use super::{error::ReportError, files::write_files, published::Published};
 use crate::results::Results;
 
-/// Every file, in the order in which they are told.
+/// Every file, in the order in which they are listed.
 const OUTPUTS: [Output; 3] = [results_json::OUTPUT, parameters_csv::OUTPUT, report_html::OUTPUT];
 
 /// The names of the files that [`write_all`] writes.
@@ -19,7 +19,7 @@ pub fn file_names() -> impl Iterator<Item = &'static str> {
     OUTPUTS.into_iter().map(|output| output.name)
 }
 
-/// The content of one of the files that [`write_all`] writes; none where it writes no file of this name.
+/// The content of one of the files that [`write_all`] writes; none for another name.
 ///
 /// # Errors
 /// [`ReportError`] for what cannot be rendered.
@@ -28,7 +28,7 @@ pub fn render(name: &str, results: &Results, published: Option<&Published>) -> R
     output.map(|output| (output.render)(results, published)).transpose()
 }
 
-/// Writes `results.json`, `parameters.csv` and `report.html` into a folder, which is made where it is not there.
+/// Writes `results.json`, `parameters.csv` and `report.html` into a folder, which is created if necessary.
 /// Returns their paths.
 ///
 /// Everything is rendered before anything is written, and written under temporary names before anything is renamed: an

@@ -7,6 +7,6 @@ use crate::{
 pub(super) struct Output {
     /// Its name.
     pub(super) name: &'static str,
-    /// Its content, from the results and, where there are any, published figures.
+    /// Renders its content from the results and published figures, if any.
     pub(super) render: fn(&Results, Option<&Published>) -> Result<Vec<u8>, ReportError>,
 }

@@ -1,4 +1,4 @@
-//! `parameters.csv`: one row for each parameter and run; of an estimator of the user's own, the method is `user:` and its name.
+//! `parameters.csv`: one row for each parameter and run; for a user's own estimator, the method is `user:` and its name.
 
 use super::output::Output;
 use crate::{

@@ -1,4 +1,4 @@
-//! `report.html`: the verdict, the torques, the estimates, and everything else on demand.
+//! `report.html`: the verdict, the torques, the estimates, and details on demand.
 
 use super::output::Output;
 use crate::{
@@ -15,13 +15,13 @@ use crate::{
 pub(super) const OUTPUT: Output = Output { name: "report.html", render: report };
 
 const FOOTER: &str = "Relative errors are 100 |y - y_hat| / |y| in the decimated rows, unweighted; standard deviations (sd) are the \
-    classical ones, for independent rows, unless it says otherwise; intervals allow for correlated errors.";
+    classical ones, for independent rows, unless stated otherwise; intervals allow for correlated errors.";
 
 fn report(results: &Results, published: Option<&Published>) -> Result<Vec<u8>, ReportError> {
     let page = Page {
         title: &results.title,
         card: HeadCard::of(results),
-        takes: results.recommended_run().map_or("", |run| run.method.name()),
+        recommended: results.recommended_run().map_or("", |run| run.method.name()),
         picture: figures::skeleton(results),
         facts: vec![("robot", results.robot.clone())],
         sections: sections::all(results, published),

@@ -1,4 +1,4 @@
-//! `results.json`: everything but the curves.
+//! `results.json`: everything except the curves.
 
 use super::output::Output;
 use crate::{

@@ -7,30 +7,32 @@ use crate::{
         card::physically,
         grades::{class, is_counted},
         names,
-        number::{fixed, significant},
+        number::significant,
     },
     results::{Card, Grade, Method, Physical, Results, Unseen, Verdict},
 };
 
-/// The verdict with what it rests on and what to do next.
+/// The verdict with its figures, reasons and actions.
 #[derive(Debug, Serialize)]
 pub(in crate::report) struct HeadCard {
     /// The class that colours it.
     pub(in crate::report) class: &'static str,
     pub(in crate::report) symbol: &'static str,
     pub(in crate::report) word: &'static str,
-    /// The gravest reason.
+    /// The most serious reason.
     pub(in crate::report) reason: String,
     /// Labels and texts.
     pub(in crate::report) facts: Vec<(&'static str, String)>,
-    /// How many parameters are precise, of how many; empty where no number is to be used.
+    /// How many parameters are precise; empty if no number can be used.
     pub(in crate::report) share: String,
     pub(in crate::report) grades: Vec<Graded>,
+    /// The number of all parameters.
+    pub(in crate::report) parameter_count: usize,
     /// What the names of parameters mean: symbols and their meanings.
     pub(in crate::report) key: Vec<(String, &'static str)>,
-    /// Whether the grades hold only if the model does.
+    /// Whether the grades are valid only if the model is.
     pub(in crate::report) is_doubted: bool,
-    /// What the actions are for.
+    /// The heading of the actions.
     pub(in crate::report) next: &'static str,
     pub(in crate::report) actions: Vec<String>,
     /// Every reason, with its code.
@@ -43,21 +45,21 @@ pub(in crate::report) struct Graded {
     pub(in crate::report) class: &'static str,
     pub(in crate::report) name: &'static str,
     pub(in crate::report) count: usize,
-    /// What is said of the names.
-    pub(in crate::report) said: &'static str,
+    /// How to use these parameters.
+    pub(in crate::report) advice: &'static str,
     pub(in crate::report) names: String,
-    /// Whether the names stand behind a fold.
+    /// Whether the names are folded.
     pub(in crate::report) is_folded: bool,
 }
 
 impl HeadCard {
-    /// The card of results; none where they have no verdict.
+    /// The card of results; none without a verdict.
     pub(in crate::report) fn of(results: &Results) -> Option<Self> {
         let card = results.card();
         let verdict = card.verdict?;
         let (class, symbol, word) = match verdict {
             Verdict::Good => ("good", "\u{2713}", "Good"),
-            Verdict::Care => ("care", "!", "Take with care"),
+            Verdict::Care => ("care", "!", "Use with care"),
             Verdict::DoNotUse => ("do-not-use", "\u{2715}", "Do not use"),
         };
         Some(Self {
@@ -68,10 +70,11 @@ impl HeadCard {
             facts: facts(&card, verdict),
             share: share(&card),
             grades: graded(&card),
+            parameter_count: card.parameter_count(),
             key: names::key(card.parameters.iter().flatten().map(String::as_str)),
             is_doubted: card.model_is_doubted,
             next: match verdict {
-                Verdict::Good => "What would make it better",
+                Verdict::Good => "How to improve it",
                 Verdict::Care | Verdict::DoNotUse => "What to do next",
             },
             reasons: results.verdict_reasons.iter().map(|r| (r.code.name(), sentence(&r.text))).collect(),
@@ -85,14 +88,18 @@ fn facts(card: &Card, verdict: Verdict) -> Vec<(&'static str, String)> {
     let method = card.method.map(|m| match verdict {
         Verdict::Good | Verdict::Care => {
             let case = card.case.as_ref().map(|case| format!(" ({case})")).unwrap_or_default();
-            ("Method to take", format!("{m}{case}"))
+            ("Recommended method", format!("{m}{case}"))
         }
-        Verdict::DoNotUse => ("Method", format!("none; the numbers below are of {}", m.name())),
+        Verdict::DoNotUse => ("Method", format!("none; the numbers below are those of {}", m.name())),
     });
-    let times = card.times_unseen().map(|times| format!(", {} times the fit's", fixed(times, 1))).unwrap_or_default();
+    let fit = card.relative_error_percent.map(|error| format!(" (fit: {})", percent(error))).unwrap_or_default();
     let unseen = card.unseen.map(|unseen| match unseen {
-        Unseen::HeldBack(error) => ("Unseen error, on the held-back record", percent(error) + &times),
-        Unseen::LeftOut(error) => ("Unseen error, on parts left out in turn", percent(error) + &times),
+        Unseen::HeldBack(error) => {
+            ("Validation, recordings held back", format!("{} on data not used{fit}", percent(error)))
+        }
+        Unseen::LeftOut(error) => {
+            ("Validation, parts left out in turn", format!("{} on data not used{fit}", percent(error)))
+        }
     });
     let physical = card.physical.filter(|_| verdict != Verdict::DoNotUse);
     let physical = physical.map(|physical| ("Physically possible", physically(physical).to_owned()));
@@ -104,7 +111,7 @@ fn facts(card: &Card, verdict: Verdict) -> Vec<(&'static str, String)> {
     [method, error, unseen, physical, none].into_iter().flatten().collect()
 }
 
-/// How much of the estimate the verdict is about.
+/// How many parameters are precise.
 fn share(card: &Card) -> String {
     let all = card.parameter_count();
     if card.verdict == Some(Verdict::DoNotUse) || all == 0 {
@@ -115,28 +122,28 @@ fn share(card: &Card) -> String {
     let count = if sure.len() == all { format!("all {all}") } else { format!("{} of {all}", sure.len()) };
     let doubt = if card.model_is_doubted { " if the model holds" } else { "" };
     let simulated = match card.physical {
-        Some(Physical::No | Physical::WithinNoise) => "; not for simulation as they stand",
+        Some(Physical::No | Physical::WithinNoise) => "; for a simulator, take the export (it makes them physical)",
         Some(Physical::Yes) | None => "",
     };
     format!("{count} parameters {are} {}{doubt}{simulated}", Grade::Precise.name())
 }
 
-/// The grades that parameters have; none where no number is to be used.
+/// The grades of the parameters; none if no number can be used.
 fn graded(card: &Card) -> Vec<Graded> {
     if card.verdict == Some(Verdict::DoNotUse) {
         return Vec::new();
     }
-    let said = |grade| match grade {
-        Grade::Precise => "Use",
-        Grade::Rough => "Use with doubt",
-        Grade::Impossible => "Do not use, below zero",
-        Grade::NotIdentified => "Do not use, not identified",
+    let advice = |grade| match grade {
+        Grade::Precise => "Precise",
+        Grade::Rough => "Rough, use with caution",
+        Grade::Impossible => "Impossible (below zero), do not use",
+        Grade::NotIdentified => "Not identified, do not use",
     };
     let of_grade = |(grade, of): (Grade, &Vec<String>)| Graded {
         class: class(grade),
         name: grade.name(),
         count: of.len(),
-        said: said(grade),
+        advice: advice(grade),
         names: of.join(" "),
         is_folded: grade == Grade::NotIdentified,
     };
@@ -163,7 +170,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_share_tells_how_much_the_verdict_is_about() {
+    fn the_share_counts_the_precise_parameters() {
         let names = |count: usize| (0..count).map(|k| format!("p{k}")).collect::<Vec<_>>();
         let card = |verdict, sure, rough| Card {
             verdict: Some(verdict),
@@ -185,7 +192,10 @@ mod tests {
             "2 of 5 parameters are precise if the model holds"
         );
         let not_physical = Card { physical: Some(Physical::No), ..card(Verdict::Care, 2, 3) };
-        assert_eq!(share(&not_physical), "2 of 5 parameters are precise; not for simulation as they stand");
+        assert_eq!(
+            share(&not_physical),
+            "2 of 5 parameters are precise; for a simulator, take the export (it makes them physical)"
+        );
         assert_eq!(share(&card(Verdict::DoNotUse, 6, 63)), "");
     }
 

@@ -17,9 +17,9 @@ pub(in crate::report) struct Page<'a> {
     pub(in crate::report) title: &'a str,
     /// The verdict, where there is one.
     pub(in crate::report) card: Option<HeadCard>,
-    /// The method whose numbers are taken: its curves are drawn without gaps.
-    pub(in crate::report) takes: &'static str,
-    /// A small picture beside it.
+    /// The recommended method: its curves are drawn without gaps.
+    pub(in crate::report) recommended: &'static str,
+    /// A small picture next to it.
     pub(in crate::report) picture: Option<Figure>,
     /// Labels and texts of the head.
     pub(in crate::report) facts: Vec<(&'static str, String)>,
@@ -47,7 +47,7 @@ fn text(page: Value) -> Result<String, minijinja::Error> {
     environment.get_template("page.html")?.render(context! { page, style, script })
 }
 
-/// Anything as the template sees it.
+/// Converts JSON to a value of the template.
 fn value(json: serde_json::Value) -> Value {
     use serde_json::Value as Json;
     match json {

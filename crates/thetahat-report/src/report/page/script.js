@@ -152,21 +152,21 @@
 
     listen(chart, panel) {
       let start = null;
-      const place = event => {
+      const partAt = event => {
         const box = panel.element.firstChild.getBoundingClientRect();
         return Math.min(1, Math.max(0, (event.clientX - box.left) / box.width));
       };
       const element = panel.element;
       element.addEventListener('pointerdown', event => {
-        if (event.pointerType === 'mouse') { start = place(event); element.setPointerCapture(event.pointerId); }
+        if (event.pointerType === 'mouse') { start = partAt(event); element.setPointerCapture(event.pointerId); }
       });
       element.addEventListener('pointermove', event => {
-        const part = place(event);
+        const part = partAt(event);
         this.point(part);
-        if (start === null) this.tell(chart, part, event); else this.choose(start, part);
+        if (start === null) this.showValues(chart, part, event); else this.choose(start, part);
       });
       element.addEventListener('pointerup', event => {
-        const end = place(event);
+        const end = partAt(event);
         this.choose(0, 0);
         if (start !== null && Math.abs(end - start) * this.charts[0].panels[0].width > 80 * (this.range[1] - this.range[0])) {
           this.show(Math.min(start, end), Math.max(start, end));
@@ -190,7 +190,7 @@
       });
     }
 
-    tell(chart, part, event) {
+    showValues(chart, part, event) {
       const first = chart.panels[0];
       const lines = [`${(first.x[0] + part * (first.x[1] - first.x[0])).toFixed(3)} s`];
       chart.panels.forEach((panel, k) => {
@@ -233,8 +233,8 @@
         }
         ticks.replaceChildren(...marks);
         const axis = chart.querySelector('.axis');
-        const place = mark => `M${mark.getAttribute('x')} ${bottom}v4`;
-        axis.setAttribute('d', `M${left} ${bottom}h${size}` + marks.map(place).join(''));
+        const path = mark => `M${mark.getAttribute('x')} ${bottom}v4`;
+        axis.setAttribute('d', `M${left} ${bottom}h${size}` + marks.map(path).join(''));
       }
     }
   }

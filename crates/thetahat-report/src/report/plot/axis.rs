@@ -12,14 +12,14 @@ pub(in crate::report) fn pixel(position: f64) -> f64 {
     (position * UNITS).round() / UNITS
 }
 
-/// A place on an axis, with its label.
+/// A position on an axis, with its label.
 #[derive(Debug, Clone, Serialize)]
 pub(in crate::report) struct Tick {
     pub(in crate::report) at: f64,
     pub(in crate::report) label: String,
 }
 
-/// How values become places.
+/// The mapping from values to positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(in crate::report) enum Scale {
@@ -52,7 +52,7 @@ impl Range {
         Self { low: self.low - by, high: self.high + by }
     }
 
-    /// Not below a fraction of the largest value: a curve that hardly changes looks so.
+    /// Not below a fraction of the largest value, so that a nearly constant curve looks constant.
     pub(in crate::report) fn at_least(self, fraction: f64) -> Self {
         let smallest = fraction * self.low.abs().max(self.high.abs());
         self.padded_by(0.5 * (smallest - (self.high - self.low)).max(0.0))
@@ -83,10 +83,10 @@ pub(in crate::report) struct Axis {
     pub(in crate::report) to: f64,
 }
 
-/// Fewest ticks that tell a scale; how many times more are wanted where there are fewer.
+/// Fewest ticks that define a scale, and the factor on the requested number if there are fewer.
 const FEWEST: usize = 2;
 const MORE: f64 = 1.5;
-/// Even ticks wanted in the place of powers of ten.
+/// Requested number of even ticks instead of powers of ten.
 const FEW: f64 = 5.0;
 
 impl Axis {
@@ -111,10 +111,10 @@ impl Axis {
         self.from + part * (self.to - self.from)
     }
 
-    /// Round values, about as many as asked for.
-    pub(in crate::report) fn ticks(&self, wanted: f64, smallest_step: f64) -> Vec<Tick> {
+    /// Round values, about as many as requested.
+    pub(in crate::report) fn ticks(&self, count: f64, smallest_step: f64) -> Vec<Tick> {
         match self.scale {
-            Scale::Linear => self.linear_ticks(wanted, smallest_step),
+            Scale::Linear => self.linear_ticks(count, smallest_step),
             Scale::Logarithmic => match self.powers() {
                 powers if powers.len() < FEWEST => self.linear_ticks(FEW, smallest_step),
                 powers => powers,
@@ -122,11 +122,11 @@ impl Axis {
         }
     }
 
-    /// Ticks at even steps: one alone does not tell the scale, so that a smaller step is taken then.
-    fn linear_ticks(&self, wanted: f64, smallest_step: f64) -> Vec<Tick> {
-        let step = |wanted: f64| round_step((self.range.high - self.range.low) / wanted).max(smallest_step);
-        let ticks = self.ticks_at(step(wanted));
-        if ticks.len() < FEWEST { self.ticks_at(step(MORE * wanted)) } else { ticks }
+    /// Ticks at even steps; with a smaller step if there would be only one.
+    fn linear_ticks(&self, count: f64, smallest_step: f64) -> Vec<Tick> {
+        let step = |count: f64| round_step((self.range.high - self.range.low) / count).max(smallest_step);
+        let ticks = self.ticks_at(step(count));
+        if ticks.len() < FEWEST { self.ticks_at(step(MORE * count)) } else { ticks }
     }
 
     fn ticks_at(&self, step: f64) -> Vec<Tick> {
@@ -140,7 +140,7 @@ impl Axis {
         (first..=last).map(tick).collect()
     }
 
-    /// Powers of ten; with what is between them where there are few, and each second, third ... where there are many.
+    /// Powers of ten; with values between them if there are few, and every second, third ... if there are many.
     fn powers(&self) -> Vec<Tick> {
         let [low, high] = [self.range.low.log10(), self.range.high.log10()];
         let steps: &[i32] = match high - low {

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::report::wrap::shortened;
 
-/// Width of one of several charts, and of a chart that stands alone, pixels.
+/// Width of one of several charts, and of a single chart, pixels.
 pub(in crate::report) const NARROW: f64 = 380.0;
 pub(in crate::report) const WIDE: f64 = 760.0;
 
@@ -19,24 +19,24 @@ const TOP: f64 = 36.0;
 const BOTTOM: f64 = 32.0;
 /// Space between two panels.
 const GAP: f64 = 17.0;
-/// Words stand this far above their panel, pixels: within it they would hide curves.
+/// Distance of words above their panel, pixels: inside they would hide curves.
 const ABOVE: f64 = 4.0;
 /// Width of a letter of such words, pixels, rather too wide than too narrow.
 const LETTER: f64 = 6.5;
 
 /// Smallest range of values in a panel, relative to the largest one.
 const SMALLEST_RANGE: f64 = 0.02;
-/// Pixels for each tick wanted.
+/// Pixels for each tick.
 const X_TICK: f64 = 55.0;
 const Y_TICK: f64 = 24.0;
-/// Fewest ticks wanted from the lower to the upper end.
+/// Fewest ticks from the lower to the upper end.
 const FEWEST: f64 = 3.4;
 
 /// A chart as the template draws it; coordinates in pixels.
 #[derive(Debug, Serialize)]
 pub(in crate::report) struct Chart {
     pub(in crate::report) title: String,
-    /// What runs from left to right.
+    /// The quantity from left to right.
     pub(in crate::report) x_name: String,
     pub(in crate::report) width: f64,
     pub(in crate::report) height: f64,
@@ -45,14 +45,14 @@ pub(in crate::report) struct Chart {
     pub(in crate::report) zooms: bool,
 }
 
-/// A pair of axes with what is drawn between them; paths in tenths of a pixel from its corner.
+/// A pair of axes with its curves; paths in tenths of a pixel from its corner.
 #[derive(Debug, Serialize)]
 pub(in crate::report) struct Panel {
     pub(in crate::report) left: f64,
     pub(in crate::report) top: f64,
     pub(in crate::report) width: f64,
     pub(in crate::report) height: f64,
-    /// Values at the left and right end, and at the lower and upper one.
+    /// Values at the left and right end, and at the lower and upper end.
     pub(in crate::report) x: [f64; 2],
     pub(in crate::report) y: [f64; 2],
     pub(in crate::report) x_scale: Scale,
@@ -110,7 +110,7 @@ impl Panel {
         }
     }
 
-    /// Axes that hold the curves; `steps` are the smallest ones between ticks from left to right.
+    /// Axes that contain the curves; `step` is the smallest one between ticks from left to right.
     pub(in crate::report) fn around<'c>(self, curves: impl Iterator<Item = &'c Curve> + Clone, step: f64) -> Self {
         let points = curves.flat_map(Curve::finite);
         let x = Range::of(points.clone().map(|p| p.0));
@@ -178,13 +178,13 @@ impl Panel {
 
     /// A line from top to bottom at a value.
     pub(in crate::report) fn upright(mut self, class: &str, at: f64) -> Self {
-        let place = |v: f64| (v * super::axis::UNITS).round() as i64;
-        let x = place(self.x_axis().position(at));
-        self.paths.push(Path { class: class.to_owned(), data: format!("M{x} 0v{}", place(self.height)) });
+        let unit = |v: f64| (v * super::axis::UNITS).round() as i64;
+        let x = unit(self.x_axis().position(at));
+        self.paths.push(Path { class: class.to_owned(), data: format!("M{x} 0v{}", unit(self.height)) });
         self
     }
 
-    /// A word above the panel, beside a value of the axis from left to right.
+    /// A word above the panel, next to a value of the axis from left to right.
     pub(in crate::report) fn word(mut self, at: f64, word: &str) -> Self {
         let x = self.x_axis().position(at);
         let (anchor, dx) = if x > 0.6 * self.width { ("end", -3.0) } else { ("start", 3.0) };
@@ -193,7 +193,7 @@ impl Panel {
         self
     }
 
-    /// A name above the panel, from a value of the axis on, cut where it would reach another value.
+    /// A name above the panel, starting at a value of the axis, shortened before another value.
     pub(in crate::report) fn name_between(mut self, [from, to]: [f64; 2], name: &str) -> Self {
         const GAP: f64 = 3.0;
         let [x, end] = [from, to].map(|at| self.x_axis().position(at).min(self.width));
@@ -205,13 +205,13 @@ impl Panel {
 
     /// A line from left to right at a value.
     pub(in crate::report) fn level(mut self, class: &str, at: f64) -> Self {
-        let place = |v: f64| (v * super::axis::UNITS).round() as i64;
-        let y = place(self.y_axis().position(at));
-        self.paths.push(Path { class: class.to_owned(), data: format!("M0 {y}h{}", place(self.width)) });
+        let unit = |v: f64| (v * super::axis::UNITS).round() as i64;
+        let y = unit(self.y_axis().position(at));
+        self.paths.push(Path { class: class.to_owned(), data: format!("M0 {y}h{}", unit(self.width)) });
         self
     }
 
-    /// What the panel shows, above its upper right corner.
+    /// A label above the upper right corner of the panel.
     pub(in crate::report) fn named(mut self, name: &str) -> Self {
         let (x, y) = (pixel(self.left + self.width), pixel(self.top - ABOVE));
         self.texts.push(Text { x, y, anchor: "end", text: name.to_owned() });
@@ -224,7 +224,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn panels_stand_below_one_another_over_the_same_axis() {
+    fn panels_are_stacked_over_the_same_axis() {
         let curve = Curve::new("didim", vec![(0.0, 0.0), (2.0, 1.0)]);
         let range = Range { low: 0.0, high: 2.0 };
         let chart = Chart::new("Joint 1".to_owned(), "time, s", NARROW)

@@ -7,7 +7,7 @@ use super::axis::{Axis, UNITS};
 /// Points of a curve above which only the extremes of short stretches are drawn.
 const MOST_POINTS: usize = 900;
 
-/// A curve: the class that colours it, and its points. A value that is none makes a gap.
+/// A curve: the class that colours it, and its points. A value that is not a number makes a gap.
 #[derive(Debug)]
 pub(in crate::report) struct Curve {
     pub(in crate::report) class: String,
@@ -21,11 +21,11 @@ pub(in crate::report) struct Path {
     pub(in crate::report) data: String,
 }
 
-/// The area between two values at each place.
+/// The area between two values at each position.
 #[derive(Debug)]
 pub(in crate::report) struct Area {
     pub(in crate::report) class: String,
-    /// Place, low and high value.
+    /// Position, low and high value.
     pub(in crate::report) points: Vec<(f64, [f64; 2])>,
 }
 
@@ -49,7 +49,7 @@ impl Curve {
         Path { class: self.class.clone(), data: pen.data }
     }
 
-    /// A dot at each point: lines of no length, whose round ends keep their shape under any scale.
+    /// A dot at each point: lines of zero length, whose round ends keep their shape at any scale.
     pub(super) fn dots(&self, x: &Axis, y: &Axis) -> Path {
         let unit = |v: f64| (v * UNITS).round() as i64;
         let dot = |(a, b): (f64, f64)| format!("M{} {}h0", unit(x.position(a)), unit(y.position(b)));
@@ -71,7 +71,7 @@ fn is_finite(point: &(f64, f64)) -> bool {
     point.0.is_finite() && point.1.is_finite()
 }
 
-/// Writes lines: each starts at a place and goes on in steps.
+/// Writes lines: each starts at a position and continues in steps.
 #[derive(Default)]
 struct Pen {
     data: String,

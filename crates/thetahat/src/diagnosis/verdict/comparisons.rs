@@ -11,7 +11,7 @@ use thetahat_report::results::{
 };
 
 pub(super) fn reasons(results: &Results) -> Vec<VerdictReason> {
-    let taken = nominal_advice(results).and_then(|a| a.take);
+    let taken = nominal_advice(results).and_then(|a| a.recommended);
     let failed = nominal_runs(results).filter(|r| r.status != Status::Converged);
     failed.map(|run| not_converged(run, taken)).chain(undecided(results)).chain(last_resort(taken)).collect()
 }
@@ -40,7 +40,7 @@ fn not_converged(run: &RunResult, taken: Option<Method>) -> VerdictReason {
 
 /// No method to take, where it is not a problem of the recordings that says so.
 fn undecided(results: &Results) -> Option<VerdictReason> {
-    let advice = nominal_advice(results).filter(|a| a.take.is_none())?;
+    let advice = nominal_advice(results).filter(|a| a.recommended.is_none())?;
     let test = nominal_diagnosis(results).and_then(|d| d.biased_simulator.as_ref());
     let test = test.filter(|t| t.verdict == Comparison::Undecided);
     if let Some(test) = test {

@@ -53,7 +53,7 @@ pub(super) fn reasons(results: &Results) -> Vec<VerdictReason> {
 /// Adds reasons; what is said of one method is not said of the next one too.
 fn add(reasons: &mut Vec<VerdictReason>, more: Vec<VerdictReason>) {
     for reason in more {
-        let about = |r: &VerdictReason| (r.code, r.concerned.joint.clone(), r.concerned.parameter.clone());
+        let about = |r: &VerdictReason| (r.code, r.subject.joint.clone(), r.subject.parameter.clone());
         if reasons.iter().all(|r| about(r) != about(&reason)) {
             reasons.push(reason);
         }
@@ -83,7 +83,7 @@ impl NotExplained {
         [
             ("relative_error_percent", self.error_percent),
             ("p_value", self.test.map(|t| t.test.p_value)),
-            ("stands_out_deviations", self.test.and_then(|t| t.stands_out)),
+            ("deviations_above_shifted", self.test.and_then(|t| t.deviations_above_shifted)),
             ("limit", Some(limit)),
         ]
     }
@@ -252,8 +252,8 @@ fn of_negative(verdict: Verdict, run: &RunResult, same: &[&Finding]) -> VerdictR
     let others: Vec<String> = same[1..].iter().map(named).collect();
     if !others.is_empty() {
         let names: Vec<&str> = same[1..].iter().flat_map(|f| &f.parameters).map(String::as_str).collect();
-        let seen = format!("{}; likewise {}", reason.seen(), others.join(", "));
-        reason.remedy = format!("{}; likewise {}", reason.remedy, names.join(", "));
+        let seen = format!("{}; also {}", reason.seen(), others.join(", "));
+        reason.remedy = format!("{}; also for {}", reason.remedy, names.join(", "));
         reason.text = format!("{seen}; {}.", reason.remedy);
     }
     reason

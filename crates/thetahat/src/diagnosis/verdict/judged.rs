@@ -18,7 +18,7 @@ pub(super) fn nominal_runs(results: &Results) -> impl Iterator<Item = &RunResult
 
 /// The runs whose numbers are judged: that of the method which the advice takes, or else all that converged.
 pub(super) fn judged_runs(results: &Results) -> Vec<&RunResult> {
-    let taken = nominal_advice(results).and_then(|a| a.take);
+    let taken = nominal_advice(results).and_then(|a| a.recommended);
     let is_judged = |r: &&RunResult| taken.map_or(r.status == Status::Converged, |method| r.method == method);
     nominal_runs(results).filter(is_judged).collect()
 }

@@ -38,7 +38,7 @@ fn parameter() -> ParameterResult {
     }
 }
 
-fn joint(joint: usize, p_value: f64, stands_out: Option<f64>) -> JointResidual {
+fn joint(joint: usize, p_value: f64, deviations_above_shifted: Option<f64>) -> JointResidual {
     let test = FTest { statistic: 1.0, numerator_freedom: 3, denominator_freedom: 30, p_value };
     JointResidual {
         joint,
@@ -46,7 +46,7 @@ fn joint(joint: usize, p_value: f64, stands_out: Option<f64>) -> JointResidual {
         autocorrelation: 0.2,
         whiteness: None,
         normality: None,
-        explained: Some(Explained { test, stands_out }),
+        explained: Some(Explained { test, deviations_above_shifted }),
     }
 }
 
@@ -65,7 +65,7 @@ fn run(method: Method) -> RunResult {
 }
 
 fn advice(take: Option<Method>) -> Advice {
-    Advice { case: NOMINAL.to_owned(), take, distrust: Vec::new(), text: "Because.".to_owned() }
+    Advice { case: NOMINAL.to_owned(), recommended: take, distrust: Vec::new(), text: "Because.".to_owned() }
 }
 
 fn good() -> Results {
@@ -107,7 +107,7 @@ fn judged(change: impl FnOnce(&mut Results)) -> (Verdict, Vec<ReasonCode>) {
 }
 
 /// The run whose numbers are taken.
-fn taken(change: impl FnOnce(&mut RunResult)) -> (Verdict, Vec<ReasonCode>) {
+fn judged_with(change: impl FnOnce(&mut RunResult)) -> (Verdict, Vec<ReasonCode>) {
     judged(|results| change(&mut results.runs[1]))
 }
 
@@ -175,7 +175,7 @@ fn a_nominal_run_that_did_not_converge_names_the_numbers_that_hold() {
     results.runs.push(RunResult::new("gear_ratio_0.9", Method::DIDIM, Status::Diverged));
     assert_eq!(judge(&mut results), Verdict::Care);
     let [reason] = &results.verdict_reasons[..] else { panic!("{:?}", results.verdict_reasons) };
-    assert_eq!(reason.concerned.method, Some(Method::IDIM_LS));
+    assert_eq!(reason.subject.method, Some(Method::IDIM_LS));
     assert!(reason.text.contains("the numbers of idim-iv, which the advice takes, hold"), "{}", reason.text);
     results.advice[0] = advice(None);
     assert_eq!(judge(&mut results), Verdict::DoNotUse);
@@ -212,7 +212,7 @@ fn a_method_whose_simulator_nothing_tests_asks_for_care() {
 #[test]
 fn a_joint_and_a_robot_that_are_not_explained_are_not_used() {
     let joints = |all: Vec<JointResidual>| {
-        taken(|run| run.residual = Some(ResidualResult { joints: all, homoscedasticity: None }))
+        judged_with(|run| run.residual = Some(ResidualResult { joints: all, homoscedasticity: None }))
     };
     let one = joints(vec![joint(1, 1e-30, None), joint(2, 0.3, Some(1.0))]);
     assert_eq!(one, do_not_use(ReasonCode::JointNotExplained));
@@ -252,7 +252,7 @@ fn without_rows_the_error_of_a_joint_decides() {
 
 #[test]
 fn a_joint_of_which_much_is_left_asks_for_care() {
-    let with = |percent| taken(|run| run.joint_relative_error_percent[1] = Some(percent));
+    let with = |percent| judged_with(|run| run.joint_relative_error_percent[1] = Some(percent));
     assert_eq!(with(50.1), care(ReasonCode::JointPoorlyExplained));
     assert_eq!(with(49.9).0, Verdict::Good);
 }
@@ -265,11 +265,11 @@ fn a_joint_that_is_predicted_worse_than_by_zero_is_not_used() {
 
 #[test]
 fn cross_validation_above_the_fit_asks_for_care_and_far_above_for_more() {
-    let with = |unseen| taken(|run| run.cross_validation_relative_error_percent = Some(unseen));
+    let with = |unseen| judged_with(|run| run.cross_validation_relative_error_percent = Some(unseen));
     assert_eq!(with(9.9).0, Verdict::Good);
     assert_eq!(with(10.1), care(ReasonCode::CrossValidation));
     assert_eq!(with(50.1), do_not_use(ReasonCode::CrossValidation));
-    let large = taken(|run| {
+    let large = judged_with(|run| {
         (run.relative_error_percent, run.cross_validation_relative_error_percent) = (Some(22.0), Some(51.0));
     });
     assert_eq!(large, do_not_use(ReasonCode::CrossValidation));
@@ -278,12 +278,12 @@ fn cross_validation_above_the_fit_asks_for_care_and_far_above_for_more() {
 #[test]
 fn what_no_robot_has_is_not_used_where_the_interval_can_be_believed() {
     let with = |severity, autocorrelation| {
-        taken(|run| {
+        judged_with(|run| {
             run.residual.as_mut().unwrap().joints[1].autocorrelation = autocorrelation;
             run.physical = Some(PhysicalResult {
                 consistent: false,
-                outside: Vec::new(),
-                lacking: Vec::new(),
+                inconsistent: Vec::new(),
+                violations: Vec::new(),
                 deviations: Some(3.0),
                 smallest_eigenvalue: -1.0,
                 findings: vec![finding(Code::NotPhysical, severity)],
@@ -302,7 +302,9 @@ fn what_no_robot_has_is_not_used_where_the_interval_can_be_believed() {
 #[test]
 fn a_part_that_decides_asks_for_care() {
     let with = |change| {
-        taken(|run| run.influence = Some(Influence { part: "move 3".to_owned(), parameter: "fv1".to_owned(), change }))
+        judged_with(|run| {
+            run.influence = Some(Influence { part: "move 3".to_owned(), parameter: "fv1".to_owned(), change })
+        })
     };
     assert_eq!(with(-4.1), care(ReasonCode::Influence));
     assert_eq!(with(3.9).0, Verdict::Good);
@@ -310,7 +312,7 @@ fn a_part_that_decides_asks_for_care() {
 
 #[test]
 fn a_residual_that_is_no_noise_asks_for_care() {
-    let with = |r1| taken(|run| run.residual.as_mut().unwrap().joints[0].autocorrelation = r1);
+    let with = |r1| judged_with(|run| run.residual.as_mut().unwrap().joints[0].autocorrelation = r1);
     assert_eq!(with(0.6), care(ReasonCode::CorrelatedResidual));
     assert_eq!(with(0.4).0, Verdict::Good);
 }

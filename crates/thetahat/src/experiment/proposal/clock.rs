@@ -74,8 +74,8 @@ fn stated(rate_hz: f64, times: Option<(Source<'_>, &TimeSummary)>) -> Result<Pro
 fn recorded(source: &Source<'_>, time: &TimeSummary) -> ProposedClock {
     let [rms, largest] = [time.jitter_rms, time.jitter_max].map(|j| 100.0 * j);
     let comment = format!(
-        "{:.6} Hz; its steps deviate by {rms:.2} % rms, {largest:.2} % at most; {} gaps.",
-        time.rate_hz,
+        "{} Hz; its steps deviate by {rms:.2} % rms, {largest:.2} % at most; {} gaps.",
+        (1e6 * time.rate_hz).round() / 1e6,
         time.gaps.len(),
     );
     ProposedClock {

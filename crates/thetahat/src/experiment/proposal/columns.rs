@@ -19,7 +19,7 @@ pub(super) fn by_name<'a>(
     let named = |c: &'a ColumnSummary| source.reading(&c.name).filter(|r| r.signal == signal).map(|r| (c, r.number));
     let mut found: Vec<Numbered<'a>> = source.columns().filter_map(named).collect();
     if found.is_empty() && signal == Signal::Reference {
-        found = wanted(source);
+        found = desired(source);
     }
     if found.is_empty() && of_file(source) == Some(signal) {
         found = silent(source);
@@ -41,16 +41,16 @@ pub(super) fn of_file(source: &Source<'_>) -> Option<Signal> {
     names.iter().find_map(|name| column_names::read_file_name(name))
 }
 
-/// The columns of wanted values whose names do not say of which signal.
-fn wanted<'a>(source: &Source<'a>) -> Vec<Numbered<'a>> {
-    let wanted = source.columns().filter(|c| column_names::says_only_wanted(&c.name));
-    wanted.map(|c| (c, column_names::number(&c.name))).collect()
+/// The columns of desired values whose names do not say of which signal.
+fn desired<'a>(source: &Source<'a>) -> Vec<Numbered<'a>> {
+    let desired = source.columns().filter(|c| column_names::says_only_desired(&c.name));
+    desired.map(|c| (c, column_names::number(&c.name))).collect()
 }
 
 /// The columns whose names say nothing and that are no times.
 pub(super) fn silent<'a>(source: &Source<'a>) -> Vec<Numbered<'a>> {
-    let untold = source.columns().filter(|c| column_names::is_silent(&c.name) && !source.is_time(&c.name));
-    untold.map(|c| (c, column_names::number(&c.name))).collect()
+    let silent = source.columns().filter(|c| column_names::is_silent(&c.name) && !source.is_time(&c.name));
+    silent.map(|c| (c, column_names::number(&c.name))).collect()
 }
 
 fn in_order<'a>(robot: &Robot, mut found: Vec<Numbered<'a>>) -> Result<Vec<SelectedColumn<'a>>, String> {

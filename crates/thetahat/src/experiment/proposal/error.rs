@@ -4,11 +4,10 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProposalError {
-    /// The columns of a signal cannot be told.
+    /// The columns of a signal are not clear.
     #[error(
-        "{}: the columns of the {signal} cannot be told from their names: {problem}; name them with --{signal} \
-         NAME,NAME,... (one for each joint, {joints} in all), or name the joints that the log has with --joints NAME,NAME,...: \
-         the others are locked; the columns are: {}",
+        "{}: the columns of the {signal} are not clear from their names: {problem}; expected one for each joint, {joints} in all; \
+         the columns are: {}",
         file.display(), columns.join(" ")
     )]
     UnclearColumns {
@@ -25,8 +24,7 @@ pub enum ProposalError {
     },
     /// Neither columns nor name of a file say what it holds.
     #[error(
-        "{}: neither its name nor its columns say which signal it holds; say it with --position {0}, --torque {0} or \
-         --time {0}; the columns are: {1}",
+        "{}: neither its name nor its columns say which signal it holds; the columns are: {}",
         file.display(), columns.join(" ")
     )]
     UnclearFile {
@@ -36,7 +34,7 @@ pub enum ProposalError {
         columns: Vec<String>,
     },
     /// A unit stands in the name of a column, and is none of the signal or of the joint.
-    #[error("{}: column {column:?} is {problem}; {remedy}", file.display())]
+    #[error("{}: column {column:?} is {problem}", file.display())]
     UnclearUnit {
         /// The recording.
         file: PathBuf,
@@ -44,13 +42,14 @@ pub enum ProposalError {
         column: String,
         /// What it is written in, and why that cannot be.
         problem: String,
-        /// What the user can say.
-        remedy: String,
+        /// `position` or `torque`.
+        signal: &'static str,
+        /// Whether the unit is none of this joint, though it is one of the signal.
+        is_of_a_joint: bool,
     },
     /// The columns that were named for a signal are more or fewer than the joints.
     #[error(
-        "--{signal} names {found} columns; {robot} has {joints} joints, and one is needed for each of them; \
-             where the log lacks joints, name those that it has with --joints NAME,NAME,...: the others are locked"
+        "{found} columns are named for the {signal}; {robot} has {joints} joints, and one is needed for each of them"
     )]
     ColumnCount {
         /// `position` or `torque`.
@@ -63,8 +62,7 @@ pub enum ProposalError {
         joints: usize,
     },
     /// Positions and torques are the same column.
-    #[error("{}: column {column:?} is taken for the positions and for the torques; name the columns of both with \
-             --position and --torque", file.display())]
+    #[error("{}: column {column:?} is taken for the positions and for the torques", file.display())]
     SameColumn {
         /// The file.
         file: PathBuf,
@@ -72,7 +70,7 @@ pub enum ProposalError {
         column: String,
     },
     /// The joints that were named are not those of the robot, or in another order.
-    #[error("--joints {}: expected joints of the robot, in its order: {}", found.join(","), known.join(","))]
+    #[error("joints {}: expected joints of the robot, in its order: {}", found.join(","), known.join(","))]
     Joints {
         /// The names.
         found: Vec<String>,
@@ -80,7 +78,7 @@ pub enum ProposalError {
         known: Vec<String>,
     },
     /// A joint that was locked is not one of the robot.
-    #[error("--lock {joint}: the robot has no such joint that follows no other; it has {}", known.join(", "))]
+    #[error("joint `{joint}` cannot be locked: the robot has no such joint that follows no other; it has {}", known.join(", "))]
     NoSuchJoint {
         /// The name.
         joint: String,
@@ -88,9 +86,7 @@ pub enum ProposalError {
         known: Vec<String>,
     },
     /// A joint was locked, and named as one of the log.
-    #[error(
-        "joint `{joint}` is locked by --lock, and --joints says that the log's columns are of it; leave out one of both"
-    )]
+    #[error("joint `{joint}` is locked, and named as one whose columns are in the log; expected one of both")]
     LockedAndNamed {
         /// The joint.
         joint: String,
@@ -117,7 +113,7 @@ pub enum ProposalError {
         problem: String,
     },
     /// There is no time column and no rate.
-    #[error("{}: no time column is found; name it with --time NAME or state --rate HZ; the columns are: {}",
+    #[error("{}: no time column is found and no sample rate is stated; the columns are: {}",
         file.display(), columns.join(" "))]
     NoTime {
         /// The recording.
@@ -136,7 +132,7 @@ pub enum ProposalError {
         problem: &'static str,
     },
     /// The rate that was stated is not that of the times.
-    #[error("{}: --rate states {stated} Hz, but the times in column {column:?} say {found:.6} Hz; leave --rate out", file.display())]
+    #[error("{}: a rate of {stated} Hz is stated, but the times in column {column:?} say {found:.6} Hz", file.display())]
     RateContradictsTimes {
         /// The file of the times.
         file: PathBuf,
@@ -157,9 +153,9 @@ pub enum ProposalError {
         /// The columns of the recording.
         columns: Vec<String>,
     },
-    /// Files that belong together cannot be told.
+    /// It is not clear which files belong together.
     #[error(
-        "{}: it holds {holds}, and which of the other files belong to the same recording cannot be told from the names; \
+        "{}: it holds {holds}, and the names do not show which of the other files belong to the same recording; \
          give the files of one recording at a time", file.display()
     )]
     NoPartner {

@@ -19,7 +19,7 @@ pub struct ProposalFiles {
 impl ProposalFiles {
     /// The same for an experiment file in the folder that the recordings have in common.
     #[must_use]
-    pub fn beside_recordings(robot: PathBuf, recordings: Vec<PathBuf>) -> Self {
+    pub fn in_folder_of_recordings(robot: PathBuf, recordings: Vec<PathBuf>) -> Self {
         let folder = common_folder(&recordings);
         Self { robot, recordings, folder }
     }
@@ -44,7 +44,7 @@ impl ProposalFiles {
         }
     }
 
-    /// Whether the experiment finds its robot without being told where it is.
+    /// Whether the experiment finds its robot without `--robot`.
     #[must_use]
     pub fn robot_is_found(&self) -> bool {
         self.robot_within(&self.data_folder()).is_some()

@@ -17,8 +17,8 @@ impl Group {
     }
 }
 
-/// Which files are of one recording: a file with positions and torques is one by itself; files with one signal each find
-/// each other by what their names have in common, or because there are no others.
+/// The files of each recording: a file with positions and torques is a recording by itself; files with one signal each are matched by
+/// the words that their names have in common, or because there are no others.
 pub(super) fn groups(offers: &[Offer<'_>], joints: usize) -> Result<Vec<Group>, ProposalError> {
     let (mut positions, mut torques, mut others) = (Vec::new(), Vec::new(), Vec::new());
     for (number, offer) in offers.iter().enumerate() {
@@ -113,9 +113,9 @@ fn no_signal<'a, 'o>(
     signal: &'static str,
     of: impl Fn(&'o Offer<'a>) -> &'o Result<Vec<super::source::SelectedColumn<'a>>, String>,
 ) -> ProposalError {
-    let untold =
+    let without_signal =
         |o: &&Offer<'_>| o.is_empty() && o.source.table.is_none_or(|t| t.times.is_empty() || t.columns.len() > 1);
-    if let (true, Some(offer)) = (offers.len() > 1, offers.iter().find(untold)) {
+    if let (true, Some(offer)) = (offers.len() > 1, offers.iter().find(without_signal)) {
         return ProposalError::UnclearFile { file: offer.source.file.to_owned(), columns: offer.source.names() };
     }
     let offer = offers.iter().find(|o| !o.is_empty()).or(offers.first());

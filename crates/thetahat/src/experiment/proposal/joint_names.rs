@@ -3,8 +3,8 @@
 use super::super::column_names;
 use thetahat_data::recording::ColumnSummary;
 
-/// The column of each joint, of one channel: the one with the joint's name that has least beside it. None where no column
-/// has the name, or several are as near.
+/// The column of each joint, of one channel: the shortest one that contains the joint's name. `None` if no column
+/// has the name, or several equally short ones do.
 pub(super) fn columns_of<'c>(joints: &[&str], columns: &[&'c ColumnSummary]) -> Vec<Option<&'c ColumnSummary>> {
     let owner = |column: &str| {
         let near = (0..joints.len()).filter_map(|j| Some((nearness(column, joints[j])?, j)));
@@ -21,8 +21,8 @@ pub(super) fn columns_of<'c>(joints: &[&str], columns: &[&'c ColumnSummary]) -> 
     (0..joints.len()).map(of_joint).collect()
 }
 
-/// Letters of a joint's name that a column's name holds as words of its own; none where it does not. The whole name goes
-/// before one without its word `joint`, beside which only words of signals may stand.
+/// Letters of a joint's name that a column's name contains as separate words; `None` if it does not. The whole name has priority over
+/// the name without its word `joint`; with that, only words of signals may remain.
 fn nearness(column: &str, joint: &str) -> Option<(bool, usize)> {
     if contains_name(column, joint) {
         return Some((true, joint.len()));

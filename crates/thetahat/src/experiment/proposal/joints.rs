@@ -12,7 +12,7 @@ use super::{
 use thetahat_data::recording::{ChannelSummary, ColumnSummary, Side};
 use thetahat_model::robot::{Joint, JointKind, Locks, Robot, RobotSource};
 
-/// Travel of a joint without torques from which it cannot be taken as at rest, rad and m.
+/// Travel above which a joint without torques does not count as at rest, rad and m.
 const MOVES: [f64; 2] = [0.1, 0.02];
 
 /// A joint that is proposed to be locked.
@@ -79,11 +79,11 @@ struct Search<'s, 'a> {
     sources: &'s [Source<'a>],
 }
 
-/// What a file has of a joint.
+/// The column of each joint in a file.
 type OfJoint<'a> = Vec<Option<&'a ColumnSummary>>;
 
 impl<'a> Search<'_, 'a> {
-    /// The coordinates that move and that the user did not lock; none where all do.
+    /// The coordinates that move and that the user did not lock; `None` if all move.
     fn unlocked(&self) -> Result<Option<Vec<bool>>, ProposalError> {
         let moving = self.moving()?;
         if self.request.locked.is_empty() {
@@ -104,7 +104,7 @@ impl<'a> Search<'_, 'a> {
         Ok(Some(moving))
     }
 
-    /// Whether each coordinate moves and has its torque in the log; none where the log has all, or names tell nothing.
+    /// Whether each coordinate moves and has its torque in the log; `None` if the log has all, or the names do not show it.
     fn moving(&self) -> Result<Option<Vec<bool>>, ProposalError> {
         if !self.request.joints.is_empty() {
             return self.stated().map(Some);
@@ -162,8 +162,8 @@ impl<'a> Search<'_, 'a> {
         self.sources.iter().map(of_file).filter(|of| of.iter().any(Option::is_some)).collect()
     }
 
-    /// The least and the largest recorded position of a coordinate, rad or m; none where it was not recorded behind the
-    /// gears.
+    /// The least and the largest recorded position of a coordinate, rad or m; `None` if it was not recorded on the joint side
+    /// of the gears.
     fn travel(&self, coordinate: usize) -> Option<(f64, f64)> {
         let ends = |summary: fn(&ChannelSummary) -> Option<f64>, pick: fn(f64, f64) -> f64| {
             let of_files = self.by_name(Signal::Position);
@@ -174,7 +174,7 @@ impl<'a> Search<'_, 'a> {
         Some((factor * ends(|s| s.min, f64::min)?, factor * ends(|s| s.max, f64::max)?))
     }
 
-    /// From the file's unit to rad or m; none for positions of motors.
+    /// Factor from the file's unit to rad or m; `None` for positions of motors.
     fn factor(&self, coordinate: usize) -> Option<f64> {
         let kind = self.joints().nth(coordinate)?.kind;
         let of_kind: Vec<usize> =

@@ -18,7 +18,7 @@ pub(super) struct Entry<'s> {
 }
 
 impl<'s, 'a> Named<'s, 'a> {
-    /// `arguments` are `NAME`, `FILE` or `FILE:NAME`; names behind a `FILE:NAME` are of that file too, where it has them.
+    /// `arguments` are `NAME`, `FILE` or `FILE:NAME`; names after a `FILE:NAME` are of that file too, if it has them.
     pub(super) fn new(signal: &'static str, arguments: &'s [String], sources: &'s [Source<'a>]) -> Self {
         let mut entries: Vec<Entry<'s>> = Vec::new();
         for argument in arguments {

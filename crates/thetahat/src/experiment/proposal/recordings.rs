@@ -22,10 +22,10 @@ const REFERENCE_RANGE: f64 = 3.0;
 
 /// An experiment proposed for a robot and its recordings, one [`Contents`] for each file of the request.
 ///
-/// Least squares alone is proposed: the other methods need the controller, which no recording tells.
+/// Least squares alone is proposed: the other methods need the controller, which no recording shows.
 ///
 /// # Errors
-/// [`ProposalError`] where columns or files cannot be told from their names; nothing is guessed from the order of columns.
+/// [`ProposalError`] where columns or files are not clear from their names; nothing is guessed from the order of columns.
 pub fn propose(
     request: &ProposalRequest,
     description: &RobotSource,
@@ -73,6 +73,13 @@ fn unused_files(sources: &[Source<'_>], recordings: &[ProposedRecording]) -> Vec
 
 fn uses(recordings: &[ProposedRecording], source: &Source<'_>) -> bool {
     recordings.iter().flat_map(used_channels).any(|channels| channels.file == source.file)
+}
+
+/// A number with at most four decimals, without trailing zeros.
+fn short(value: f64) -> String {
+    let text = format!("{value:.4}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
 fn used_channels(recording: &ProposedRecording) -> impl Iterator<Item = &ProposedChannels> {
@@ -129,7 +136,7 @@ impl<'a> Describer<'_, 'a> {
             side: measured.side,
             drop_cut_line: source.is_cut(),
             channels_in_rows: columns.iter().any(|c| c.in_rows),
-            comment: format!("From {least:.4} to {most:.4}; unit {}.", measured.why),
+            comment: format!("From {} to {}; unit {}.", short(least), short(most), measured.why),
             gain: measured.gain.clone(),
             left_out: false,
         }

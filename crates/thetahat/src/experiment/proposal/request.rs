@@ -2,36 +2,36 @@ use std::{collections::BTreeMap, path::PathBuf};
 
 use thetahat_data::recording::{Side, Unit};
 
-/// What a proposal is made for, and what is known already.
+/// The files of a proposal, and what the user has stated.
 #[derive(Debug, Clone, Default)]
 pub struct ProposalRequest {
     /// The robot description, as the experiment file is to name it.
     pub robot_file: PathBuf,
     /// The recordings, as the experiment file is to name them.
     pub recording_files: Vec<PathBuf>,
-    /// Columns of the positions, as `NAME`, `FILE` (all its columns) or `FILE:NAME`; none looks for them by their names.
+    /// Columns of the positions, as `NAME`, `FILE` (all its columns) or `FILE:NAME`; if empty, they are found by their names.
     pub position: Vec<String>,
     /// Columns of the torques, likewise.
     pub torque: Vec<String>,
-    /// The joints of the columns, in the robot's order, where names do not tell: the others are locked.
+    /// The joints of the columns, in the robot's order, if the names do not show them: the others are locked.
     pub joints: Vec<String>,
     /// The time column, likewise.
     pub time: Option<String>,
     /// Samples per second, where there is no time column.
     pub sample_rate_hz: Option<f64>,
-    /// The unit of the positions; none takes it from the names or the range.
+    /// The unit of the positions; `None` to find it from the names or the range.
     pub position_unit: Option<Unit>,
-    /// The unit of the torques; none takes it from the names.
+    /// The unit of the torques; `None` to find it from the names.
     pub torque_unit: Option<Unit>,
-    /// The side of the gears on which positions and torques were measured; none takes it from the names or the range.
+    /// The side of the gears on which positions and torques were measured; `None` to find it from the names or the range.
     pub side: Option<Side>,
-    /// Start and end of the window, s; none takes the moving part.
+    /// Start and end of the window, s; `None` for the moving part.
     pub window_s: [Option<f64>; 2],
-    /// Joints that do not move, by name, and their coordinates, rad or m, beside those of which the log has no torques.
+    /// Joints that do not move, by name, and their coordinates, rad or m, in addition to those without torques in the log.
     pub locked: BTreeMap<String, f64>,
 }
 
-/// Whether an argument names a column: by itself, behind a file, or one channel of it.
+/// Whether an argument names a column: by itself, after a file, or one channel of it.
 pub(super) fn is_named(argument: &str, column: &str) -> bool {
     argument == column
         || argument.strip_suffix(column).is_some_and(|file| file.ends_with(':'))

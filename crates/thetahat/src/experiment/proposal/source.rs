@@ -55,7 +55,7 @@ impl<'a> Source<'a> {
         self.columns().map(|c| c.name.clone()).collect()
     }
 
-    /// What the name of one of its columns says, beside the others.
+    /// What the name of one of its columns says, among the others.
     pub(super) fn reading(&self, column: &str) -> Option<Reading> {
         column_names::read_among(column, self.columns().map(|other| other.name.as_str()))
     }

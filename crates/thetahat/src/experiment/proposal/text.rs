@@ -46,7 +46,7 @@ pub struct ProposedRecording {
 pub struct ProposedClock {
     /// Samples per second.
     pub rate_hz: f64,
-    /// The times; none where the rate is stated.
+    /// The times; `None` if the rate is stated.
     pub time: Option<ProposedChannels>,
 }
 
@@ -82,7 +82,7 @@ pub struct ProposedSignal {
     pub cutoff_hz: f64,
     /// Factor of the parallel decimation.
     pub decimation: usize,
-    /// Start and end of the window, s; none where the record has no other.
+    /// Start and end of the window, s; `None` for the default one.
     pub window_s: [Option<f64>; 2],
     /// Why, in lines of up to 118 characters.
     pub comment: Vec<String>,
@@ -98,7 +98,7 @@ const HIGHEST_CUT_OFF: f64 = 0.2;
 const DECIMATION_CUT_OFF: f64 = 0.4;
 
 impl ProposedSignal {
-    /// What serves industrial robots, from the rate alone.
+    /// The usual filter of industrial robots, from the rate alone.
     #[must_use]
     pub fn usual(rate_hz: f64) -> Self {
         Self {
@@ -116,7 +116,7 @@ impl ProposedSignal {
     pub fn chosen(choice: &FilterChoice) -> Self {
         let Filter { cutoff_hz, decimation } = choice.best;
         let head = [
-            "SelectedColumn from the data: on a twin of the record the estimates with this filter are nearest to the truth."
+            "Chosen from the data: on a simulated twin of the recording the estimates with this filter are nearest to the truth."
                 .to_owned(),
             format!("The motion lies below {:.1} Hz. Errors with other filters, over the least;", choice.dynamics_hz),
             "\"every\" is decimation, the frequencies are cutoff_hz:".to_owned(),
@@ -178,10 +178,10 @@ impl Proposal {
         let of_recording = |recording: &ProposedRecording| {
             let place = recording.name.iter().map(|name| format!("{name}: ")).collect::<String>();
             let channels = recording.channels.iter().filter(|(_, channels)| channels.comment.contains(GUESS));
-            channels.map(|(signal, channels)| format!("{place}{signal}: {}", channels.comment)).collect::<Vec<_>>()
+            channels.map(|(signal, channels)| format!("{place}{signal}: {}", channels.assumption())).collect::<Vec<_>>()
         };
         let locks = self.locks.iter().filter(|lock| lock.why.contains(GUESS));
-        let locks = locks.map(|lock| format!("{} is locked at {}: {}.", lock.joint, lock.value, lock.why));
+        let locks = locks.map(|lock| format!("{} is locked at {}: {}", lock.joint, lock.value, lock.why));
         self.recordings.iter().flat_map(of_recording).chain(locks).collect()
     }
 
@@ -200,13 +200,13 @@ impl Proposal {
         }
         let line = |lock: &ProposedLock| format!("{} = {:?}  # {}\n", quoted_key(&lock.joint), lock.value, lock.why);
         let lines: String = self.locks.iter().map(line).collect();
-        "\n# Joints without torques in the log, in rad or m: they do not move, and the links behind them are parts of those that\n\
+        "\n# Joints without torques in the log, in rad or m: they do not move, and their links are parts of those that\n\
          # carry them. The other joints are numbered anew in the names of parameters.\n[locked]\n"
             .to_owned()
             + &lines
     }
 
-    /// What of the recordings is not used: files, and columns of signals; none where all is.
+    /// What is not used of the recordings: files, and columns of signals; `None` if all is used.
     #[must_use]
     pub fn not_used(&self) -> Option<String> {
         let files = self.unused_files.iter().map(|file| file.display().to_string());
@@ -247,6 +247,15 @@ impl ProposedRecording {
 }
 
 impl ProposedChannels {
+    /// The unit that was assumed, and why.
+    fn assumption(&self) -> String {
+        let why = self.comment.split_once("; unit ").map_or(self.comment.as_str(), |(_, why)| why);
+        let why = why.strip_prefix("a guess: ").or_else(|| why.strip_prefix("a guess ")).unwrap_or(why);
+        let mut units: Vec<&str> = self.unit.given().iter().map(|unit| unit.symbol()).collect();
+        units.dedup();
+        format!("we assumed {} ({})", units.join(", "), why.trim_end_matches('.'))
+    }
+
     fn line(&self, name: &str) -> String {
         let names: Vec<String> = self.columns.iter().map(|c| quoted(c)).collect();
         let topic = self.topic.iter().map(|t| format!(", topic = {}", quoted(t))).collect::<String>();

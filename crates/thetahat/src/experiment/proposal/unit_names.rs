@@ -26,7 +26,7 @@ pub(super) struct Misfit {
     pub(super) is_of_a_joint: bool,
 }
 
-/// The units of a signal's channels; none where no name says any. Channels without one are as the others.
+/// The units of a signal's channels; `None` if no name states any. Channels without a unit have that of the others.
 pub(super) fn named_units(
     source: &Source<'_>,
     signal: Signal,

@@ -38,7 +38,7 @@ impl Measured {
     }
 }
 
-/// What the units of a file's signals are told from.
+/// The evidence for the units of a file's signals.
 pub(super) struct Units<'u, 'a> {
     pub(super) request: &'u ProposalRequest,
     pub(super) source: Source<'a>,
@@ -115,18 +115,18 @@ impl Units<'_, '_> {
                 if unit == Unit::Volt { "a voltage" } else { "a current" }
             ),
             None if self.source.is_bag() => "as JointState has it".to_owned(),
-            None => "a guess: nothing says it".to_owned(),
+            None => "a guess: the log does not say".to_owned(),
         }
     }
 
     fn why_as_positions(&self, columns: &[SelectedColumn<'_>]) -> &'static str {
         let stem = self.source.stem();
-        let is_untold = |name: &str| {
+        let is_unnamed = |name: &str| {
             let name = if column_names::is_silent(name) { &stem } else { name };
-            column_names::says_only_wanted(name)
+            column_names::says_only_desired(name)
         };
-        match columns.iter().any(|column| is_untold(&column.name)) {
-            true => "as the positions, a guess: the names say wanted values, and not of which signal",
+        match columns.iter().any(|column| is_unnamed(&column.name)) {
+            true => "as the positions, a guess: the names say desired values, but not of which signal",
             false => "as the positions",
         }
     }
@@ -155,8 +155,8 @@ impl Units<'_, '_> {
             joint(Unit::Metre, "a guess: linear joints")
         } else if self.source.is_bag() {
             joint(Unit::Radian, "as JointState has it")
-        } else if largest > LARGEST_ANGLE && self.fits_behind_the_gears(columns) {
-            let why = "a guess: too large for rad on the joint side, not behind the robot's gears";
+        } else if largest > LARGEST_ANGLE && self.fits_after_the_gears(columns) {
+            let why = "a guess: too large for angles of joints in rad, but in range for angles of motors";
             Measured::new(self.each(Unit::Radian), Side::Motor, why)
         } else if largest > LARGEST_ANGLE {
             joint(Unit::Degree, "a guess: too large for rad on the joint side")
@@ -188,20 +188,7 @@ impl Units<'_, '_> {
 
     fn refused(&self, signal: &'static str, misfit: Misfit) -> ProposalError {
         let Misfit { column, problem, is_of_a_joint } = misfit;
-        let remedy = match (is_of_a_joint, signal) {
-            (true, _) => format!(
-                "name the columns in the order of the joints with --{signal} NAME,NAME,..., or state the unit with --{signal}-unit UNIT"
-            ),
-            (false, "torque") => {
-                "state the unit with --torque-unit UNIT (1 for numbers that a gain turns into torques), or name other columns \
-                 with --torque NAME,NAME,..."
-                    .to_owned()
-            }
-            (false, _) => format!(
-                "state the unit with --{signal}-unit UNIT, or name other columns with --{signal} NAME,NAME,..."
-            ),
-        };
-        ProposalError::UnclearUnit { file: self.source.file.to_owned(), column, problem, remedy }
+        ProposalError::UnclearUnit { file: self.source.file.to_owned(), column, problem, signal, is_of_a_joint }
     }
 
     /// A unit for each channel, that of SI for joints of the other kind.
@@ -224,7 +211,7 @@ impl Units<'_, '_> {
     /// Known units on the side that the names say, or else the motors' where angles are too large for joints.
     fn on_a_side(&self, units: Vec<Unit>, columns: &[SelectedColumn<'_>], why: &str) -> Measured {
         let is_in_rad = self.kinds().iter().zip(&units).all(|(k, u)| *k == JointKind::Prismatic || *u == Unit::Radian);
-        let too_large = is_in_rad && self.largest_angle(columns) > LARGEST_ANGLE && self.fits_behind_the_gears(columns);
+        let too_large = is_in_rad && self.largest_angle(columns) > LARGEST_ANGLE && self.fits_after_the_gears(columns);
         let side = if too_large { Side::Motor } else { self.named_side(columns) };
         Measured::new(units, side, why)
     }
@@ -243,8 +230,8 @@ impl Units<'_, '_> {
         *self.robot.transmission.matrix() != Matrix::identity(n)
     }
 
-    /// Whether angles of motors in rad are angles of joints behind the robot's gears.
-    fn fits_behind_the_gears(&self, columns: &[SelectedColumn<'_>]) -> bool {
+    /// Whether angles of motors in rad give possible angles of joints after the robot's gears.
+    fn fits_after_the_gears(&self, columns: &[SelectedColumn<'_>]) -> bool {
         if let Some(side) = self.request.side {
             return side == Side::Motor;
         }
@@ -254,7 +241,7 @@ impl Units<'_, '_> {
         let (Some(least), Some(most), true) = (ends(|c| c.min), ends(|c| c.max), self.has_gears()) else {
             return false;
         };
-        let motors = thetahat_ground::series::Series::from_values(least.len(), [least, most].concat());
+        let motors = thetahat_ground::series::Series::shaped(least.len(), [least, most].concat());
         let joints = self.robot.transmission.joint_positions(&motors);
         joints.values().iter().all(|q| q.abs() <= LARGEST_ANGLE)
     }

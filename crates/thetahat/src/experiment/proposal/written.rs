@@ -61,7 +61,7 @@ pub(super) fn dimensions(signal: Signal) -> &'static [Dimension] {
     }
 }
 
-/// The last word behind the first that is a unit of the signal. Between other signs a unit keeps its capitals together:
+/// The last word after the first that is a unit of the signal. Between other signs a unit keeps its capitals together:
 /// `mNm` is one word. A single letter is one where it stands by itself as its symbol is written: `a1` is no current.
 fn in_words(name: &str, signal: Signal) -> Option<Unit> {
     let whole: Vec<String> = name.split(|c: char| !c.is_alphanumeric()).map(str::to_owned).collect();

@@ -1,4 +1,4 @@
-//! A MuJoCo model with other inertias, armatures and friction: bytes that do not say these stay as they are.
+//! A MuJoCo model with other inertias, armatures and friction: all other bytes stay unchanged.
 
 use super::{
     element::Element,
@@ -9,9 +9,9 @@ use super::{
 };
 use crate::export::{
     body::Body,
-    coupling::beside,
+    coupling::drive_without_tendons,
     editor::{Edited, Editor},
-    said::FormatCapability,
+    represented::RepresentedRobot,
     split::{Shares, split},
     xml::{number, numbers},
 };
@@ -20,23 +20,23 @@ use thetahat_model::{
     robot::{JointQuantity, RigidBody},
 };
 
-/// Attributes of an orientation, which a full inertia tensor must not have beside it.
+/// Attributes of an orientation, which must not accompany a full inertia tensor.
 const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "xyaxes", "zaxis", "euler"];
 /// Difference of axes that is rounding.
 const ROUNDING: f64 = 1e-12;
-/// MuJoCo's gravity where a model says none, m/s^2.
+/// MuJoCo's gravity if a model states none, m/s^2.
 const USUAL_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
-/// The model with the inertias and the drives of `said`.
-pub(in crate::export) fn edited(model: &MjcfModel, said: &FormatCapability) -> Result<Edited, MjcfError> {
-    model.with_robot(&said.robot, |found| {
-        let mut edit = Edit { editor: Editor::new(model.text()), found: &found, said, notes: Vec::new() };
-        for k in 0..said.robot.joints.len() {
+/// The model with the inertias and the drives of `represented`.
+pub(in crate::export) fn edited(model: &MjcfModel, represented: &RepresentedRobot) -> Result<Edited, MjcfError> {
+    model.with_robot(&represented.robot, |found| {
+        let mut edit = Edit { editor: Editor::new(model.text()), found: &found, represented, notes: Vec::new() };
+        for k in 0..represented.robot.joints.len() {
             edit.set_link(k)?;
             edit.set_joint(k);
         }
         edit.set_tendons()?;
-        edit.tell_differences()?;
+        edit.note_differences()?;
         Ok(Edited { text: edit.editor.finished(), notes: edit.notes })
     })
 }
@@ -44,7 +44,7 @@ pub(in crate::export) fn edited(model: &MjcfModel, said: &FormatCapability) -> R
 struct Edit<'a, 'f> {
     editor: Editor<'a>,
     found: &'f ModelParts<'f>,
-    said: &'f FormatCapability,
+    represented: &'f RepresentedRobot,
     notes: Vec<String>,
 }
 
@@ -59,8 +59,8 @@ impl<'f> Edit<'_, 'f> {
     fn set_link(&mut self, k: usize) -> Result<(), MjcfError> {
         let found = self.found;
         let matched = &found.matched;
-        let link = RigidBody::from_parameters(self.said.inertial_of(k));
-        let whole = link.seen_in(&matched.link_in_body(&self.said.robot, k)).parameters();
+        let link = RigidBody::from_parameters(self.represented.inertial_of(k));
+        let whole = link.seen_in(&matched.link_in_body(&self.represented.robot, k)).parameters();
         let fixed = self.fixed(k)?;
         let shares = split(whole, &fixed.iter().map(|part| part.parameters).collect::<Vec<_>>());
         let body = Body::new(shares.carrier);
@@ -68,7 +68,7 @@ impl<'f> Edit<'_, 'f> {
         self.require_above_bounds(element, &body)?;
         self.set_body(matched.tree.bodies[matched.body(k)].inertial, element, &body);
         if !fixed.is_empty() {
-            self.tell_split(&shares, &fixed, element);
+            self.note_split(&shares, &fixed, element);
         }
         Ok(())
     }
@@ -76,7 +76,7 @@ impl<'f> Edit<'_, 'f> {
     /// The bodies that move with link `k` and have inertia.
     fn fixed(&self, k: usize) -> Result<Vec<Fixed<'f>>, MjcfError> {
         let ModelParts { matched, settings, .. } = self.found;
-        let joint = || self.said.robot.joints[k].name.clone();
+        let joint = || self.represented.robot.joints[k].name.clone();
         if let Some(made) = matched.tree.bodies[matched.body(k)].made {
             return Err(MjcfError::Made { place: made.place(), joint: joint() });
         }
@@ -98,7 +98,7 @@ impl<'f> Edit<'_, 'f> {
         Ok(fixed)
     }
 
-    fn tell_split(&mut self, shares: &Shares, fixed: &[Fixed<'_>], body: Element<'_>) {
+    fn note_split(&mut self, shares: &Shares, fixed: &[Fixed<'_>], body: Element<'_>) {
         if shares.factor != 1.0 {
             for part in fixed {
                 for key in ["mass", "diaginertia", "fullinertia"] {
@@ -134,7 +134,7 @@ impl<'f> Edit<'_, 'f> {
         ORIENTATIONS.iter().for_each(|key| self.editor.remove(element.node, key));
     }
 
-    /// What the compiler would lift to a bound would be another robot.
+    /// Refuses values that the compiler would raise to a bound: that would be another robot.
     fn require_above_bounds(&self, element: Element<'_>, body: &Body) -> Result<(), MjcfError> {
         let mut inertia = Symmetric::zeros(3);
         for (i, row) in body.inertia.iter().enumerate() {
@@ -152,9 +152,9 @@ impl<'f> Edit<'_, 'f> {
     }
 
     fn set_joint(&mut self, k: usize) {
-        let FormatCapability { robot, parameters, tendons, .. } = self.said;
-        let [armature, damping] = beside(robot, parameters, tendons, k);
-        let friction = self.said.of_joint(JointQuantity::Fc, k);
+        let RepresentedRobot { robot, parameters, tendons, .. } = self.represented;
+        let [armature, damping] = drive_without_tendons(robot, parameters, tendons, k);
+        let friction = self.represented.of_joint(JointQuantity::Fc, k);
         let matched = &self.found.matched;
         let joint = matched.tree.joints[matched.joints[k]].element.node;
         for (key, value) in [("armature", armature), ("damping", damping), ("frictionloss", friction)] {
@@ -164,15 +164,15 @@ impl<'f> Edit<'_, 'f> {
 
     /// Coupled motors: tendons of an earlier export are set, others are added at the end.
     fn set_tendons(&mut self) -> Result<(), MjcfError> {
-        let mut added = self.said.clone();
+        let mut added = self.represented.clone();
         added.tendons.clear();
-        for tendon in &self.said.tendons {
+        for tendon in &self.represented.tendons {
             let name = tendon_name(tendon);
             let Some(element) = self.found.tendon(&name) else {
                 added.tendons.push(tendon.clone());
                 continue;
             };
-            self.found.require_same_tendon(element, tendon, &self.said.robot)?;
+            self.found.require_same_tendon(element, tendon, &self.represented.robot)?;
             let [armature, damping, friction] = [tendon.armature, tendon.damping, tendon.friction_loss].map(number);
             for (key, value) in [("armature", armature), ("damping", damping), ("frictionloss", friction)] {
                 self.editor.set(element.node, key, &value);
@@ -185,13 +185,13 @@ impl<'f> Edit<'_, 'f> {
         Ok(())
     }
 
-    fn tell_differences(&mut self) -> Result<(), MjcfError> {
+    fn note_differences(&mut self) -> Result<(), MjcfError> {
         let ModelParts { matched, root, .. } = self.found;
-        let robot = &self.said.robot;
+        let robot = &self.represented.robot;
         self.notes.extend(other_joints(matched, robot));
         if matched.difference > ROUNDING {
             self.notes.push(format!(
-                "the axes of the model are within {:.1e} rad and m of those of the identified robot",
+                "the axes of the model are within {:.1e} rad and m of the axes of the identified robot",
                 matched.difference
             ));
         }

@@ -10,7 +10,7 @@ pub enum MjcfError {
     #[error(transparent)]
     Xml(Box<UrdfError>),
     /// The root element is not `<mujoco>`.
-    #[error("{place} is the root of this file, but an MJCF is one <mujoco>; give the model with --into")]
+    #[error("{place} is the root of this file, but an MJCF is one <mujoco>; give the file of the model")]
     NotMjcf {
         /// The root element.
         place: Place,
@@ -18,7 +18,7 @@ pub enum MjcfError {
     /// A part of the model is in another file.
     #[error(
         "{place} takes in another file, which is not edited; write the model as one file, as MuJoCo's `mj_saveLastXML` does, and \
-         give that with --into"
+         give that"
     )]
     Include {
         /// The element.

@@ -244,7 +244,7 @@ fn places(tree: &Tree<'_>, joints: &[usize], robot: &Robot) -> (Vec<Frame>, Vec<
     (places, axes)
 }
 
-/// The reference configuration of joints that the robot has not, in words; none where there are no such joints on its links.
+/// The reference configuration of joints that the robot does not have, in words; `None` if there are no such joints on its links.
 pub(super) fn other_joints(matched: &Matched<'_>, robot: &Robot) -> Option<String> {
     let is_other = |(place, joint): &(usize, &JointElement<'_>)| {
         !matched.joints.contains(place)
@@ -262,7 +262,7 @@ pub(super) fn other_joints(matched: &Matched<'_>, robot: &Robot) -> Option<Strin
     })
 }
 
-/// Whether a gravity of the world is another than that of the robot on its base.
+/// Whether the gravity of the world differs from that of the robot.
 pub(super) fn other_gravity(matched: &Matched<'_>, robot: &Robot, gravity: Vec3) -> bool {
     let difference = sub(matched.in_base(gravity), robot.gravity);
     norm(difference) > 1e-6 * norm(robot.gravity).max(1.0)

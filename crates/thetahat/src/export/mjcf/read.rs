@@ -6,7 +6,7 @@ use super::{
     model::{MjcfModel, ModelParts},
     written::tendon_name,
 };
-use crate::export::{coupling::Tendon, read_back::ReadLink, said::FormatCapability};
+use crate::export::{coupling::Tendon, read_back::ReadLink, represented::RepresentedRobot};
 use thetahat_model::robot::{RigidBody, Robot};
 
 /// The links of the exported robot as the model has them, and whether the model's axes are those of the robot to rounding.
@@ -17,11 +17,12 @@ pub(in crate::export) struct ReadModel {
     pub(in crate::export) difference: f64,
 }
 
-/// Reads what an export of `said` has written.
-pub(in crate::export) fn read(model: &MjcfModel, said: &FormatCapability) -> Result<ReadModel, MjcfError> {
-    model.with_robot(&said.robot, |found| {
-        let links = (0..said.robot.joints.len()).map(|k| found.link(&said.robot, k)).collect::<Result<_, _>>()?;
-        let tendons = said.tendons.iter().map(|tendon| found.read_tendon(tendon, &said.robot));
+/// Reads what an export of `represented` has written.
+pub(in crate::export) fn read(model: &MjcfModel, represented: &RepresentedRobot) -> Result<ReadModel, MjcfError> {
+    model.with_robot(&represented.robot, |found| {
+        let links =
+            (0..represented.robot.joints.len()).map(|k| found.link(&represented.robot, k)).collect::<Result<_, _>>()?;
+        let tendons = represented.tendons.iter().map(|tendon| found.read_tendon(tendon, &represented.robot));
         Ok(ReadModel { links, tendons: tendons.collect::<Result<_, _>>()?, difference: found.matched.difference })
     })
 }

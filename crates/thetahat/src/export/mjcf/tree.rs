@@ -46,7 +46,7 @@ pub(super) struct JointElement<'a> {
     pub(super) place: Vec3,
     /// Its coordinate in the reference configuration, rad or m.
     pub(super) reference: f64,
-    /// The class of elements beside it that name none.
+    /// The class of its sibling elements that name none.
     class: &'a str,
 }
 

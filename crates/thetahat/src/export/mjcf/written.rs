@@ -2,16 +2,16 @@
 
 use crate::export::{
     body::Body,
-    coupling::{Tendon, beside},
+    coupling::{Tendon, drive_without_tendons},
     frames::{LinkFrame, link_name},
-    said::FormatCapability,
+    represented::RepresentedRobot,
     xml::{escaped, number, numbers},
 };
 use thetahat_model::robot::{JointKind, JointQuantity, Robot};
 
 /// The MJCF of a robot, with `header` at its start.
-pub(in crate::export) fn mjcf(said: &FormatCapability, header: &str) -> String {
-    let robot = &said.robot;
+pub(in crate::export) fn mjcf(represented: &RepresentedRobot, header: &str) -> String {
+    let robot = &represented.robot;
     let mut lines = vec![
         format!("<mujoco model=\"{}\">", escaped(&robot.name)),
         "  <compiler angle=\"radian\"/>".to_owned(),
@@ -20,28 +20,28 @@ pub(in crate::export) fn mjcf(said: &FormatCapability, header: &str) -> String {
     ];
     (0..robot.joints.len())
         .filter(|&k| robot.joints[k].parent.is_none())
-        .for_each(|k| add_body(said, k, 2, &mut lines));
+        .for_each(|k| add_body(represented, k, 2, &mut lines));
     lines.push("  </worldbody>".to_owned());
     lines.extend(followers(robot));
-    lines.extend(coupled_motors(said));
+    lines.extend(coupled_motors(represented));
     lines.push("</mujoco>".to_owned());
     format!("{header}{}\n", lines.join("\n"))
 }
 
 /// The body of a link with those that it carries; robots have at most a hundred joints.
-fn add_body(said: &FormatCapability, k: usize, depth: usize, lines: &mut Vec<String>) {
+fn add_body(represented: &RepresentedRobot, k: usize, depth: usize, lines: &mut Vec<String>) {
     let space = "  ".repeat(depth);
-    let frame = LinkFrame::of(&said.robot, k);
+    let frame = LinkFrame::of(&represented.robot, k);
     lines.push(format!(
         "{space}<body name=\"{}\" pos=\"{}\" quat=\"{}\">",
         link_name(k),
         numbers(&frame.origin),
         numbers(&frame.quaternion())
     ));
-    lines.push(format!("{space}  {}", inertial(&Body::new(said.inertial_of(k)))));
-    lines.push(format!("{space}  {}", joint(said, k, &frame)));
-    let children = (0..said.robot.joints.len()).filter(|&j| said.robot.joints[j].parent == Some(k));
-    children.for_each(|child| add_body(said, child, depth + 1, lines));
+    lines.push(format!("{space}  {}", inertial(&Body::new(represented.inertial_of(k)))));
+    lines.push(format!("{space}  {}", joint(represented, k, &frame)));
+    let children = (0..represented.robot.joints.len()).filter(|&j| represented.robot.joints[j].parent == Some(k));
+    children.for_each(|child| add_body(represented, child, depth + 1, lines));
     lines.push(format!("{space}</body>"));
 }
 
@@ -56,8 +56,8 @@ pub(super) fn inertial(body: &Body) -> String {
     )
 }
 
-fn joint(said: &FormatCapability, k: usize, frame: &LinkFrame) -> String {
-    let joint = &said.robot.joints[k];
+fn joint(represented: &RepresentedRobot, k: usize, frame: &LinkFrame) -> String {
+    let joint = &represented.robot.joints[k];
     let kind = match joint.kind {
         JointKind::Revolute => "hinge",
         JointKind::Prismatic => "slide",
@@ -66,8 +66,9 @@ fn joint(said: &FormatCapability, k: usize, frame: &LinkFrame) -> String {
         Some((lower, upper)) if lower < upper => format!(" range=\"{} {}\"", number(lower), number(upper)),
         Some(_) | None => String::new(),
     };
-    let [armature, damping] = beside(&said.robot, &said.parameters, &said.tendons, k).map(number);
-    let friction = number(said.of_joint(JointQuantity::Fc, k));
+    let [armature, damping] =
+        drive_without_tendons(&represented.robot, &represented.parameters, &represented.tendons, k).map(number);
+    let friction = number(represented.of_joint(JointQuantity::Fc, k));
     format!(
         "<joint name=\"{}\" type=\"{kind}\" axis=\"{}\"{range} armature=\"{armature}\" damping=\"{damping}\" \
          frictionloss=\"{friction}\"/>",
@@ -82,19 +83,19 @@ pub(super) fn tendon_name(tendon: &Tendon) -> String {
 }
 
 /// Motors that turn with several joints, as fixed tendons.
-pub(super) fn coupled_motors(said: &FormatCapability) -> Vec<String> {
-    if said.tendons.is_empty() {
+pub(super) fn coupled_motors(represented: &RepresentedRobot) -> Vec<String> {
+    if represented.tendons.is_empty() {
         return Vec::new();
     }
     let mut lines = vec!["  <tendon>".to_owned()];
-    for tendon in &said.tendons {
+    for tendon in &represented.tendons {
         let [armature, damping, friction] = [tendon.armature, tendon.damping, tendon.friction_loss].map(number);
         lines.push(format!(
             "    <fixed name=\"{}\" armature=\"{armature}\" damping=\"{damping}\" frictionloss=\"{friction}\">",
             tendon_name(tendon)
         ));
         let joint = |(j, weight): &(usize, f64)| {
-            let name = escaped(&said.robot.joints[*j].name);
+            let name = escaped(&represented.robot.joints[*j].name);
             format!("      <joint joint=\"{name}\" coef=\"{}\"/>", number(*weight))
         };
         lines.extend(tendon.joints.iter().map(joint));

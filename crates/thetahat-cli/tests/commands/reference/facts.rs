@@ -1,0 +1,368 @@
+//! What the sources do not say in a form that can be read: what each code demands.
+//! `{file NAME}` stands for the constant of that name in that file.
+
+/// How the value of a type is named that has its own table, or that is read by hand.
+pub fn named(of: &str) -> Option<&'static str> {
+    Some(match of {
+        "f64" => "number",
+        "u8" | "u32" | "u64" | "usize" => "whole number",
+        "bool" => "`true` or `false`",
+        "String" => "text",
+        "char" => "character",
+        "PathBuf" => "path",
+        "Unit" => "[unit](recordings.md#units)",
+        "Method" => "[method](experiments.md#methods)",
+        "Code" => "[code](checks.md#codes)",
+        "ReasonCode" => "[code](verdict.md#reasons)",
+        "Verdict" => "[verdict](verdict.md#verdicts)",
+        "Status" => "[status](results.md#statuses)",
+        "IgnoredAny" => "text",
+        _ => return None,
+    })
+}
+
+/// Structs whose fields have the doc comments of a struct that is read in their place.
+pub fn same_keys(of: &str) -> &'static [&'static str] {
+    match of {
+        "Tables" => &["ExperimentFile", "Settings", "Locks"],
+        "RobotFile" => &["Locks"],
+        _ => &[],
+    }
+}
+
+/// The ten parameters of a link, which the paper names and no doc comment explains.
+pub const LINK_QUANTITIES: [(&str, &str); 3] = [
+    ("xx xy xz yy yz zz", "Inertia about the origin of the link's frame, along its axes."),
+    ("mx my mz", "First moments: mass times centre of mass."),
+    ("m", "Mass."),
+];
+
+/// Code, severities, evidence, and what to do.
+pub const FINDINGS: [[&str; 4]; 41] = [
+    [
+        "position-scale",
+        "problem",
+        "ratio for positions in another unit or from the other side of the gears ({checks/hypotheses COMMON_LIMIT} for all joints, {checks/hypotheses SINGLE_LIMIT} for one); or the span of a joint over the range that its description allows ({checks/position_range LIMIT})",
+        "correct `unit` or `side` of the position, or the ratios in `[transmission]`",
+    ],
+    [
+        "position-sign",
+        "problem",
+        "ratio for the other sign ({checks/hypotheses SINGLE_LIMIT}; {checks/hypotheses MANY_LIMIT} for position and torque together); or the power of friction, in standard deviations below zero ({checks/friction NEGATIVE_LIMIT})",
+        "a negative `gain` of the position, or the motor's row of the transmission matrix",
+    ],
+    [
+        "position-zero",
+        "problem",
+        "ratio for the transmission's offsets added or subtracted ({checks/hypotheses COMMON_LIMIT})",
+        "check `offset_deg`, and whether the positions include it already",
+    ],
+    [
+        "torque-scale",
+        "problem",
+        "ratio for torques from the other side of the gears ({checks/hypotheses COMMON_LIMIT} for all joints, {checks/hypotheses SINGLE_LIMIT} for one)",
+        "correct `side` of the torque, or the ratios in `[transmission]`",
+    ],
+    [
+        "torque-sign",
+        "problem",
+        "ratio for the other sign ({checks/hypotheses SINGLE_LIMIT}); or the power of friction, in standard deviations below zero ({checks/friction NEGATIVE_LIMIT})",
+        "a negative `gain` of the torque, or the motor's row of the transmission matrix",
+    ],
+    [
+        "joints-swapped",
+        "problem",
+        "ratio for positions, torques or both of two joints exchanged ({checks/hypotheses MANY_LIMIT})",
+        "exchange the columns in the experiment file",
+    ],
+    [
+        "gear-ratio",
+        "problem",
+        "rms torque that another ratio of a motor, or another scale of a position or torque, explains ({checks/gear EFFECT_LIMIT_PERCENT} % of the torques; the scale differs from one by {checks/gear SIGNIFICANT} standard deviations)",
+        "check the ratio, the position's scale or the drive's gain that the message names",
+    ],
+    [
+        "lag",
+        "warning, note",
+        "samples by which torques are later than positions. A warning where it explains {checks/lag EXPLAINED_LIMIT_PERCENT} % of the squared residual and {checks/lag EFFECT_LIMIT_PERCENT} % of the torque, or {checks/lag MOST_OF_RESIDUAL_PERCENT} % of the squared residual, or where it is that of a held torque (half a sample early); else a note",
+        "`held = true` for a torque that the controller holds from sample to sample, or `delay_s` of the torque",
+    ],
+    [
+        "dropped-samples",
+        "warning, note",
+        "samples that are missing, by time stamps, or by jumps of all joints that are as long as their velocities say. A note where time stamps show them and at most {checks/stamps FEW_MISSING_PERCENT} % are missing",
+        "record again with a logger that keeps up; rows in and around gaps are left out",
+    ],
+    [
+        "repeated-samples",
+        "warning",
+        "moving samples at which all positions, or all torques, repeat the sample before exactly ({checks/repeats REPEATED_LIMIT_PERCENT} %)",
+        "log at the rate at which values are new",
+    ],
+    [
+        "clock-jitter",
+        "warning, note",
+        "rms deviation of the time steps ({checks/stamps JITTER_LIMIT_PERCENT} % of a step). A note where the positions are smooth on their stamps",
+        "where the positions are smooth on equal steps, state `sample_rate_hz` in place of `time`",
+    ],
+    [
+        "rate-contradicted",
+        "problem",
+        "deviation of the stated `sample_rate_hz` from the rate of the times in the file ({checks/stamps RATE_LIMIT_PERCENT} %)",
+        "name that column as `time`",
+    ],
+    [
+        "torque-saturated",
+        "warning",
+        "samples of a drive at exactly its extreme value, many more than at the next value ({checks/torque SATURATED_LIMIT_PERCENT} % of the window)",
+        "move more slowly, or widen the range of drive or logger",
+    ],
+    [
+        "torque-constant",
+        "problem, note",
+        "a torque that never changes; a note where no parameter depends on it",
+        "check the torque's column",
+    ],
+    [
+        "torque-quantised",
+        "warning",
+        "error of the torque's steps over its standard deviation ({checks/torque STEP_LIMIT_PERCENT} %); or few different values",
+        "record more digits, or a finer range of the current",
+    ],
+    [
+        "torque-spikes",
+        "warning, note",
+        "samples more than {checks/spikes OUTLYING} robust standard deviations from the median of five. A note where they are more than 1 % of the samples and of one size, as a velocity loop makes them from the steps of an encoder",
+        "replace them by the mean of their neighbours; look for the loose contact",
+    ],
+    [
+        "position-quantised",
+        "warning",
+        "noise of the acceleration, after a suitable filter, that the position's steps cause ({checks/resolution STEP_LIMIT_PERCENT} %)",
+        "record the encoder's own counts, or lower `cutoff_hz`",
+    ],
+    ["position-spikes", "warning, note", "as `torque-spikes`", "as `torque-spikes`"],
+    [
+        "velocity-mismatch",
+        "warning, note",
+        "rms difference of the recorded velocity and the derivative of the position ({checks/velocity LIMIT_PERCENT} %). A note where no gain, sign, other joint or lag explains most of it",
+        "check the velocity's column, unit and sign; estimates use the position only",
+    ],
+    [
+        "joint-still",
+        "problem, note",
+        "a velocity that stays below {checks/signals STILL} rad/s or m/s",
+        "move the joint, or exclude its parameters",
+    ],
+    [
+        "still-period",
+        "warning, note",
+        "part of the window in which no joint moves for {checks/motion REST_PERIODS} periods of the cut-off ({checks/motion REST_LIMIT_PERCENT} %). A note where `mask` leaves it out",
+        "`mask = \"near-rest\"`, or a window without the rests",
+    ],
+    [
+        "cutoff-low",
+        "warning",
+        "rms torque that twice the cut-off explains and the cut-off does not, on stretches that were not fitted ({checks/cutoff LIMIT_PERCENT} %, and a squared error {checks/cutoff WORTH_IT} times as large)",
+        "raise `cutoff_hz` to the value in the message, which was tried",
+    ],
+    [
+        "cutoff-high",
+        "warning",
+        "part of the filtered acceleration that is white noise of the position ({checks/resolution NOISE_LIMIT_PERCENT} %)",
+        "lower `cutoff_hz` to about five times the motion's bandwidth",
+    ],
+    [
+        "negative-friction",
+        "problem",
+        "power of friction that drives the joint, in standard deviations ({checks/friction NEGATIVE_LIMIT}), and no change of sign explains it",
+        "check signs, and whether position and torque belong to the same joint",
+    ],
+    [
+        "poor-fit",
+        "warning",
+        "what the model with its best parameters leaves of all torques ({checks/friction WHOLE_LIMIT_PERCENT} %) or of one joint's ({checks/friction JOINT_LIMIT_PERCENT} %)",
+        "fix the other findings first; then geometry, order of the joints, loads",
+    ],
+    [
+        "not-excited",
+        "problem, warning, note",
+        "a problem: parameters that others span exactly. A warning: variance inflation above {checks/excitation INFLATION_LIMIT}. A note: estimates with a relative standard deviation above {run/uncertain LIMIT_PERCENT} %",
+        "move the joints faster and in other configurations, exclude the parameters, or `estimate = \"essential\"`",
+    ],
+    [
+        "reference-mismatch",
+        "warning",
+        "rms deviation of the motion from its reference ({checks/reference LIMIT_PERCENT} % of the motion)",
+        "check column, unit and side of the reference; the message has a `reference_correction` where one helps",
+    ],
+    [
+        "controller-mismatch",
+        "warning",
+        "part of the drive signals that the described controller does not give for the recorded reference and motion ({checks/controller LIMIT_PERCENT} %). A constant factor is named with the gear ratio that it is near",
+        "check law, gains and delay of `[controller]`; gains are in joint units",
+    ],
+    [
+        "torque-idle",
+        "problem, warning",
+        "moving samples at which the drive's signal is one value ({checks/levels IDLE_LIMIT_PERCENT} %; a problem above {checks/levels LOST_PERCENT} %)",
+        "record the torque at every sample",
+    ],
+    [
+        "torque-noise",
+        "problem",
+        "what the model leaves of a joint's torque, per degree of freedom ({checks/unexplained LIMIT_PERCENT} %), where neighbouring rows of it do not agree",
+        "check the torque's column, scale and digits",
+    ],
+    [
+        "joint-dither",
+        "problem, note",
+        "a joint that spans less than {checks/dither SMALLEST_RAD} rad or {checks/dither SMALLEST_M} m at velocities of a moving joint",
+        "move it, or exclude its parameters",
+    ],
+    [
+        "a-priori-scale",
+        "problem, warning",
+        "factor between the torques and those of the description's masses, of the same form ({checks/a_priori LIMIT}, up or down); a problem where several joints have it",
+        "correct `side`, `unit` or `gain` of the torque",
+    ],
+    [
+        "worse-than-mean",
+        "problem, warning",
+        "as `torque-noise`, where neighbouring rows agree. Of a run: joints with an error above {run/no_predictive_power LIMIT_PERCENT} %; a warning on recordings that are held back",
+        "check that the column is this joint's torque and belongs to this motion",
+    ],
+    [
+        "wrong-robot",
+        "problem, warning",
+        "error of the robot's model over that of independent single-joint models ({checks/wrong_robot LIMIT_PERCENT} %; a problem above {checks/wrong_robot WRONG_PERCENT} %)",
+        "check that the description is of this robot, and the order of the columns",
+    ],
+    [
+        "gravity-direction",
+        "problem, warning",
+        "ratio for gravity of the same length from another direction ({checks/gravity LIMIT}), at least {checks/gravity LEAST_DEG} degrees from the stated one; a problem beyond {checks/gravity WRONG_DEG} degrees or {checks/gravity WRONG_RATIO} times",
+        "`gravity` in the robot's TOML, as in the message",
+    ],
+    [
+        "gain-drift",
+        "warning",
+        "change of a joint's torque over the recording ({checks/drift GAIN_LIMIT_PERCENT} %, and {checks/drift SIGNIFICANT_GAIN} standard deviations)",
+        "check drive gain and payload; compare shorter windows",
+    ],
+    [
+        "friction-drift",
+        "warning",
+        "change of a joint's friction over the recording ({checks/drift FRICTION_LIMIT_PERCENT} %, and {checks/drift SIGNIFICANT_FRICTION} standard deviations)",
+        "warm the joint up, or start the window later",
+    ],
+    [
+        "same-recording",
+        "problem",
+        "moving samples that two recordings share, position and torque of every joint ({checks/same_recording LIMIT_PERCENT} %)",
+        "remove one, or give them windows that do not overlap",
+    ],
+    [
+        "recordings-contradict",
+        "problem, warning",
+        "residual of the common fit over those of separate fits ({checks/contradiction LIMIT}); a warning for a recording that is held back",
+        "look for another payload, tool, zero or temperature; identify that recording separately",
+    ],
+    [
+        "not-physical",
+        "problem, warning, note",
+        "of a run's estimates: standard deviations by which they are physically inconsistent, or the upper end of the interval of a motor inertia or friction coefficient that is negative",
+        "`physical = true`; `fix` for a motor inertia; record faster changes of velocity",
+    ],
+    [
+        "robot-description",
+        "warning",
+        "of the URDF: negative masses, damping or friction, physically impossible inertias; they are used as they are",
+        "correct the description",
+    ],
+];
+
+/// Code, what asks for care, what forbids the use, and what to do.
+pub const REASONS: [[&str; 4]; 16] = [
+    ["check-problem", "", "a problem of the checks in a recording that was used", "that of the finding"],
+    [
+        "recordings-disagree",
+        "`recordings-contradict` is a warning: a recording that is held back differs",
+        "`recordings-contradict` is a problem",
+        "identify the recording that differs separately",
+    ],
+    [
+        "drive-gain",
+        "",
+        "a known payload gives a torque a factor that differs from one by more than {results/payload MATTERS}, and whose interval excludes one",
+        "correct the drive's gain, or the payload's mass",
+    ],
+    [
+        "not-converged",
+        "a nominal run did not converge, and the advice takes another method",
+        "the advice takes none",
+        "leave the method out, or read its reason",
+    ],
+    ["undecided", "", "the advice takes no method", "`held = true`, or a wider `mask`; compare again"],
+    [
+        "nothing-explained",
+        "",
+        "no joint is explained better than by a constant",
+        "check that the torques belong to this motion and this robot",
+    ],
+    [
+        "joint-not-explained",
+        "a joint of a recording that is held back is predicted worse than by zero",
+        "a joint is explained no better than by a constant (p above {results/diagnosis LIMIT}), or predicted worse than by zero",
+        "check the joint's torque column; record longer where rows are too few",
+    ],
+    [
+        "lag",
+        "a finding `lag` of {diagnosis/verdict/recordings ONE_SAMPLE} sample or more",
+        "",
+        "`delay_s` of the torque",
+    ],
+    ["check-warning", "any other warning in a recording that was used", "", "that of the finding"],
+    [
+        "cross-validation",
+        "error on data not used above {diagnosis/verdict/estimates CROSS_VALIDATION} times that of the fit",
+        "above {diagnosis/verdict/estimates CROSS_VALIDATION_FAR} times; or above {diagnosis/verdict/estimates CROSS_VALIDATION} times and {diagnosis/verdict/estimates USELESS_PERCENT} % of the torque",
+        "`estimate = \"essential\"`, or record more motion",
+    ],
+    [
+        "joint-poorly-explained",
+        "the joint with the largest error keeps more than {diagnosis/verdict/estimates POORLY_PERCENT} % of its torque",
+        "",
+        "look at the joint's residual in the report",
+    ],
+    [
+        "not-physical",
+        "links are inconsistent by more than noise explains; or a motor inertia or friction coefficient has an interval below zero",
+        "the latter significant after Bonferroni correction at {run/not_physical CHANCE}, where the joint's residual is noise",
+        "that of the finding",
+    ],
+    [
+        "last-resort",
+        "only a method that fits the simulated loop can be taken",
+        "",
+        "record torques for `idim-iv`, or compare with a second recording",
+    ],
+    [
+        "correlated-residual",
+        "neighbouring rows of a joint's residual correlate by more than {diagnosis/verdict/estimates WHITE} plus {diagnosis/verdict/estimates MORE_DEVIATIONS} / sqrt(rows)",
+        "",
+        "`compare_terms = true`; look at the residual over velocity, position and load",
+    ],
+    [
+        "influence",
+        "an estimate changes by more than {diagnosis/verdict/estimates INFLUENCE} standard deviations without one part of the data",
+        "",
+        "look at that part, and record more like it",
+    ],
+    [
+        "few-rows",
+        "fewer than {diagnosis/verdict/recordings FEWEST_ROWS} rows for each parameter",
+        "",
+        "record longer, or lower `decimation`",
+    ],
+];

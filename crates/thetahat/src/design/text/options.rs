@@ -1,0 +1,210 @@
+//! The tables of a design file.
+
+use std::path::PathBuf;
+
+use serde::Deserialize;
+
+use crate::design::search::criterion::CriterionName;
+use thetahat_ground::one_or_each::OneOrEach;
+
+/// What a design minimises.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DesignObjective {
+    /// The criterion.
+    pub criterion: CriterionName,
+    /// The base parameters of the criterion `chosen`.
+    pub parameters: Vec<String>,
+    /// Half width of the wanted intervals, percent of the parameter: the table gives the recording time that each needs.
+    pub half_width_percent: f64,
+}
+
+impl Default for DesignObjective {
+    fn default() -> Self {
+        Self { criterion: CriterionName::default(), parameters: Vec::new(), half_width_percent: 10.0 }
+    }
+}
+
+/// The kind of motion, and the search.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MotionOptions {
+    /// Fourier series, B-splines or point-to-point moves.
+    pub kind: MotionKind,
+    /// Harmonics of the Fourier series, 5 by default.
+    pub harmonics: Option<usize>,
+    /// B-splines of each joint, 10 by default.
+    pub splines: Option<usize>,
+    /// Number of the moves, 12 by default.
+    pub moves: Option<usize>,
+    /// Time over which the acceleration of a move rises and falls at least, s: 0.002 by default. A limit of the jerk makes it longer.
+    pub smoothing_s: Option<f64>,
+    /// Rest after each move, s: none by default.
+    pub rest_s: Option<f64>,
+    /// Velocities at which each joint sweeps there and back after the moves: none by default.
+    pub sweeps: Option<usize>,
+    /// The slowest of them as a part of the fastest, 0.05 by default; those between are spaced geometrically.
+    pub sweep_slowest: Option<f64>,
+    /// The longest time at constant velocity, s: 1 by default.
+    pub sweep_s: Option<f64>,
+    /// Posture in which the motion starts and ends; chosen by the design if absent.
+    pub start: Option<Vec<f64>>,
+    /// Searches from random motions.
+    pub starts: usize,
+    /// Seed of the random motions.
+    pub seed: u64,
+}
+
+/// Kinds of motions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(try_from = "String")]
+pub enum MotionKind {
+    /// Fourier series of each joint.
+    #[default]
+    Fourier,
+    /// B-splines of each joint.
+    Splines,
+    /// Point-to-point moves, synchronised over the joints.
+    Moves,
+}
+
+impl MotionKind {
+    /// Its name, as in a design file.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fourier => "fourier",
+            Self::Splines => "splines",
+            Self::Moves => "moves",
+        }
+    }
+}
+
+impl TryFrom<String> for MotionKind {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        let all = [Self::Fourier, Self::Splines, Self::Moves];
+        let known = all.into_iter().find(|kind| kind.name() == name);
+        known.ok_or_else(|| match name.as_str() {
+            "postures" => POSTURES.to_owned(),
+            other => format!("there is no kind of motion {other}: expected fourier, splines or moves"),
+        })
+    }
+}
+
+/// Why static postures are no kind of motion, and what to use for gravity instead.
+const POSTURES: &str = "rests give no information, since dry friction at rest has either sign: for gravity take kind = \"moves\" with its \
+                        parameters listed in [wanted] parameters and criterion = \"chosen\", or add sweeps";
+
+impl Default for MotionOptions {
+    fn default() -> Self {
+        Self {
+            kind: MotionKind::Fourier,
+            harmonics: None,
+            splines: None,
+            moves: None,
+            smoothing_s: None,
+            rest_s: None,
+            sweeps: None,
+            sweep_slowest: None,
+            sweep_s: None,
+            start: None,
+            starts: 6,
+            seed: 1,
+        }
+    }
+}
+
+impl MotionOptions {
+    pub(in crate::design) fn harmonics(&self) -> usize {
+        self.harmonics.unwrap_or(5)
+    }
+
+    pub(in crate::design) fn splines(&self) -> usize {
+        self.splines.unwrap_or(10)
+    }
+
+    pub(in crate::design) fn moves(&self) -> usize {
+        self.moves.unwrap_or(12)
+    }
+
+    pub(in crate::design) fn smoothing_s(&self) -> f64 {
+        self.smoothing_s.unwrap_or(0.002)
+    }
+
+    pub(in crate::design) fn rest_s(&self) -> f64 {
+        self.rest_s.unwrap_or(0.0)
+    }
+
+    pub(in crate::design) fn sweeps(&self) -> usize {
+        self.sweeps.unwrap_or(0)
+    }
+
+    pub(in crate::design) fn sweep_slowest(&self) -> f64 {
+        self.sweep_slowest.unwrap_or(0.05)
+    }
+
+    pub(in crate::design) fn sweep_s(&self) -> f64 {
+        self.sweep_s.unwrap_or(1.0)
+    }
+}
+
+/// Limits of the joints, one for all or one for each: degrees or mm, N m or N, W.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LimitOptions {
+    /// Smallest and largest position of each joint.
+    pub position: Option<Vec<[f64; 2]>>,
+    /// Largest velocity.
+    pub velocity: Option<OneOrEach<f64>>,
+    /// Largest acceleration.
+    pub acceleration: Option<OneOrEach<f64>>,
+    /// Largest jerk.
+    pub jerk: Option<OneOrEach<f64>>,
+    /// Largest torque, friction included.
+    pub torque: Option<OneOrEach<f64>>,
+    /// Largest power.
+    pub power: Option<OneOrEach<f64>>,
+    /// Part of every range that the motion leaves unused.
+    pub margin: f64,
+}
+
+impl Default for LimitOptions {
+    fn default() -> Self {
+        Self { position: None, velocity: None, acceleration: None, jerk: None, torque: None, power: None, margin: 0.02 }
+    }
+}
+
+/// How far the robot may be from its a-priori parameters: the limits of torque and power hold for random robots in that range.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct UncertaintyOptions {
+    /// Robots that are drawn.
+    pub draws: usize,
+    /// How far each parameter is off, percent.
+    pub percent: f64,
+}
+
+impl Default for UncertaintyOptions {
+    fn default() -> Self {
+        Self { draws: 0, percent: 0.0 }
+    }
+}
+
+/// The noise of a recording, per sample.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NoiseOptions {
+    /// Standard deviation of the white noise on each joint's torque, N m or N.
+    pub torque: Option<OneOrEach<f64>>,
+    /// Results of an identification instead, whose residual is the noise of the torques.
+    pub results: Option<PathBuf>,
+    /// Standard deviation of the white noise on each joint's position, degrees or mm.
+    #[serde(default = "no_noise")]
+    pub position: OneOrEach<f64>,
+}
+
+fn no_noise() -> OneOrEach<f64> {
+    OneOrEach::One(0.0)
+}

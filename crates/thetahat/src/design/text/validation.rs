@@ -1,0 +1,143 @@
+//! What a design file must hold before anything is searched.
+
+use crate::design::{
+    error::DesignError,
+    limits::verification::RATE_HZ,
+    search::criterion::CriterionName,
+    text::{description::Design, options::UncertaintyOptions},
+};
+use thetahat_estimation::identification::Needs;
+use thetahat_ground::one_or_each::OneOrEach;
+use thetahat_model::dynamics::Model;
+
+/// Most samples of a motion, at its own rate and at 1 kHz, at which its limits are verified.
+const MOST_SAMPLES: f64 = 1e6;
+/// Part of a sample by which a motion may miss a whole number of them: rounding.
+const WHOLE: f64 = 1e-6;
+/// Most robots that are drawn: each costs its torques in every step.
+const MOST_DRAWS: usize = 100;
+/// Shortest motion, in periods of the position filter's cut-off: the edges cost five at either end.
+const FEWEST_PERIODS: f64 = 15.0;
+
+impl Design {
+    pub(in crate::design) fn validate(&self) -> Result<(), DesignError> {
+        self.settings.validate(&self.robot).map_err(|source| self.refuse(source))?;
+        self.validate_duration()?;
+        self.validate_motion()?;
+        self.validate_noise()?;
+        self.validate_wanted()?;
+        self.validate_uncertainty()?;
+        self.validate_payload()?;
+        self.validate_identification()?;
+        self.validate_collision()?;
+        self.validate_sweeps(&self.limits()?)
+    }
+
+    /// Requires an identification of all base parameters, with torques that the motion alone decides.
+    fn validate_identification(&self) -> Result<(), DesignError> {
+        let parameters = &self.settings.parameters;
+        let expected =
+            "\"base\": the motion serves all base parameters, and each recording would choose its own part of them";
+        self.require(parameters.estimate.takes_all(), "[parameters] estimate", expected, "a part of them")?;
+        let moved =
+            self.settings.controller.as_ref().and_then(|_| self.robot.term_of_acceleration().map(str::to_owned));
+        let term = self.robot.channels().pop().or(moved);
+        let expected = "terms of positions and velocities alone: a design has no recorded channels, and a closed loop no \
+                        torques that depend on accelerations";
+        self.require(term.is_none(), "[[term]]", expected, term.unwrap_or_default())
+    }
+
+    fn validate_duration(&self) -> Result<(), DesignError> {
+        let (duration, rate) = (self.file.duration_s, self.file.sample_rate_hz);
+        let positive = "a finite number above zero";
+        self.require(duration > 0.0 && duration.is_finite(), "duration_s", positive, duration)?;
+        self.require(rate > 0.0 && rate.is_finite(), "sample_rate_hz", positive, rate)?;
+        let (samples, verified) = (duration * rate, duration * rate.max(RATE_HZ));
+        let expected = "at most 1e6 samples, at 1 kHz and above";
+        self.require(verified <= MOST_SAMPLES, "duration_s times sample_rate_hz", expected, verified)?;
+        let is_whole = (samples - samples.round()).abs() <= WHOLE;
+        self.require(is_whole, "duration_s times sample_rate_hz", "a whole number of samples", samples)?;
+        let cutoff = self.file.signal.cutoff_hz;
+        self.require(cutoff < 0.5 * rate, "[signal] cutoff_hz", "below half of sample_rate_hz", cutoff)?;
+        let shortest = FEWEST_PERIODS / self.file.signal.cutoff_hz;
+        let expected = format!("at least {shortest:.3}: [signal] cutoff_hz cuts five of its periods off at both ends");
+        self.require(duration >= shortest, "duration_s", &expected, duration)
+    }
+
+    fn validate_noise(&self) -> Result<(), DesignError> {
+        let joints = self.robot.coordinate_count();
+        let (torque, position) = (self.file.noise.torque.as_ref(), &self.file.noise.position);
+        let lists = torque.map(|list| ("[noise] torque", list));
+        for (key, list) in lists.into_iter().chain([("[noise] position", position)]) {
+            self.require(list.fits(joints), key, &format!("one value, or {joints}"), list.given().len())?;
+        }
+        let expected = "above zero: a recording without noise predicts estimates without error; take the standard deviation \
+                        of a torque at rest";
+        for &noise in torque.map_or(&[][..], OneOrEach::given) {
+            self.require(noise > 0.0 && noise.is_finite(), "[noise] torque", expected, noise)?;
+        }
+        for &noise in position.given() {
+            self.require(noise >= 0.0 && noise.is_finite(), "[noise] position", "zero or above", noise)?;
+        }
+        Ok(())
+    }
+
+    fn validate_wanted(&self) -> Result<(), DesignError> {
+        let wanted = &self.file.wanted;
+        let is_chosen = wanted.criterion == CriterionName::SelectedParameters;
+        let expected = "names of base parameters with criterion = \"chosen\", and only with it";
+        self.require(
+            is_chosen != wanted.parameters.is_empty(),
+            "[wanted] parameters",
+            expected,
+            format!("{:?}", wanted.parameters),
+        )?;
+        let percent = wanted.half_width_percent;
+        self.require(percent > 0.0 && percent.is_finite(), "[wanted] half_width_percent", "above zero", percent)
+    }
+
+    fn validate_uncertainty(&self) -> Result<(), DesignError> {
+        let UncertaintyOptions { draws, percent } = self.file.uncertainty;
+        self.require(draws <= MOST_DRAWS, "[uncertainty] draws", "at most 100", draws)?;
+        let expected = "from 0 to below 100";
+        self.require((0.0..100.0).contains(&percent), "[uncertainty] percent", expected, percent)?;
+        let expected = "above zero with [uncertainty] percent, and only with it";
+        self.require((draws > 0) == (percent > 0.0), "[uncertainty] draws", expected, draws)
+    }
+
+    /// One payload whose torques are known, and methods that can take them off.
+    fn validate_payload(&self) -> Result<(), DesignError> {
+        let Some(payload) = self.payload() else { return Ok(()) };
+        let (payloads, name) = (self.settings.payloads.len(), &payload.name);
+        self.require(payloads == 1, "[[payload]]", "the one that the robot carries", payloads)?;
+        let expected = "given with centre_m: the limits of torque need them";
+        self.require(payload.is_known(), &format!("[[payload]] {name}: mass_kg"), expected, "missing")?;
+        let simulating = self.settings.all_methods().into_iter().find(|m| m.needs() != Needs::Measurement);
+        let expected = "idim-ls or idim-wls where the robot carries a payload: simulations carry none";
+        let found = simulating.map(|method| method.name()).unwrap_or_default();
+        self.require(simulating.is_none(), "[estimation] methods", expected, found)
+    }
+
+    fn validate_collision(&self) -> Result<(), DesignError> {
+        let Some(options) = &self.file.collision else { return Ok(()) };
+        let (margin, joints) = (options.margin, self.robot.coordinate_count());
+        self.require(
+            margin >= 0.0 && margin.is_finite(),
+            "[collision] margin",
+            "a finite number of mm, zero or above",
+            margin,
+        )?;
+        if let Some(home) = &options.home {
+            self.require(home.len() == joints, "[collision] home", &format!("{joints} positions"), home.len())?;
+            let found = format!("{home:?}");
+            self.require(home.iter().all(|v| v.is_finite()), "[collision] home", "finite numbers", found)?;
+        }
+        self.surroundings(&Model::new(&self.robot)).map(|_| ())
+    }
+
+    /// The noise of each joint's position, rad or m.
+    pub(in crate::design) fn position_noise(&self) -> Vec<f64> {
+        let joints = self.robot.coordinates().enumerate();
+        joints.map(|(j, joint)| joint.kind.to_si(*self.file.noise.position.of(j))).collect()
+    }
+}

@@ -1,0 +1,34 @@
+//! Tests of the library that need no recorded data, in one program: it links the library once.
+
+mod advice;
+mod campaign;
+mod closed_loop;
+mod coverage;
+mod demo;
+mod design;
+mod design_collision;
+mod dynamics_identities;
+mod exports;
+mod filter_choice;
+mod followed_twin;
+mod gaps;
+mod hidden_bias;
+mod locked_joints;
+mod long_parquet;
+mod near_rest;
+mod nist_strd;
+mod operation_counts;
+mod payload;
+mod physical;
+mod positions_alone;
+mod reductions_merged;
+mod references;
+mod report;
+mod robustness;
+mod sensitivities;
+mod several_recordings;
+mod stiff_simulation;
+mod torque_terms;
+mod uncertain_parameters;
+mod user_estimator;
+mod verdict;

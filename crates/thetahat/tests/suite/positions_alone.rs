@@ -1,0 +1,47 @@
+//! Twelve servos that log positions and commands and no torques: `experiments/quadruped_positions.toml`.
+
+use thetahat::{Experiment, Method, Results, identification::Status, preparation::LoopParameter, results::RunResult};
+use thetahat_report::report;
+use thetahat_testing::root;
+
+fn all(change: impl Fn(&mut Experiment)) -> Results {
+    let path = root().join("experiments/quadruped_positions.toml");
+    let mut experiment = Experiment::read(&path, path.parent().unwrap()).unwrap();
+    change(&mut experiment);
+    experiment.run(path.parent().unwrap(), &mut |_| {}).unwrap()
+}
+
+fn cloe(change: impl Fn(&mut Experiment)) -> RunResult {
+    all(change).run("nominal", Method::CLOE).unwrap().clone()
+}
+
+#[test]
+fn inertias_frictions_gain_and_delay_are_found_with_intervals_that_hold_the_truth() {
+    let results = all(|_| {});
+    for name in report::file_names() {
+        let content = report::render(name, &results, None).unwrap();
+        assert!(content.is_some_and(|content| !content.is_empty()), "{name}");
+    }
+    let run = results.run("nominal", Method::CLOE).unwrap();
+    assert_eq!(run.status, Status::Converged, "{:?}", run.reason);
+    let holds = |interval: [f64; 2], truth: f64| interval[0] <= truth && truth <= interval[1];
+    let [gain, delay] = &run.loop_parameters[..] else { panic!("{:?}", run.loop_parameters) };
+    assert!(holds(gain.interval_95.unwrap(), 1.0) && gain.standard_deviation < 0.1, "{gain:?}");
+    assert!(holds(delay.interval_95.unwrap(), 0.0) && delay.standard_deviation < 1e-4, "{delay:?}");
+    let inside = run.parameters.iter().filter(|p| holds(p.interval_95.unwrap(), p.true_value.unwrap())).count();
+    println!("{inside} of {} intervals hold the truth", run.parameters.len());
+    // 95 % of 108, less three deviations.
+    assert!(inside as f64 >= 0.95 * 108.0 - 3.0 * (108.0_f64 * 0.95 * 0.05).sqrt());
+    assert!(run.notes.is_empty(), "{:?}", run.notes);
+}
+
+/// With both gains free all torques may grow alike: what cannot be told apart is named.
+#[test]
+fn gains_and_inertias_that_grow_alike_are_named() {
+    let run = cloe(|experiment| {
+        experiment.settings.estimation.loop_parameters = vec![LoopParameter::PositionGain, LoopParameter::VelocityGain];
+    });
+    assert_eq!(run.status, Status::NotIdentifiable, "{:?}", run.reason);
+    let reason = run.reason.unwrap();
+    assert!(reason.contains("separates only 109 of 110 parameters"), "{reason}");
+}

@@ -1,0 +1,311 @@
+//! Reducing and solving is identifying: on the demonstration's twin, and on the recorded EMPS and TX40.
+
+use std::{collections::BTreeMap, path::Path};
+
+use libtest_mimic::{Failed, Trial};
+use thetahat::{
+    Experiment, Method, Results,
+    identification::Status,
+    preparation::{Mask, NamedMask, StatedMask},
+    reduction::{ReduceOptions, Reduction},
+    results::{ParameterResult, RunResult, VerdictReason},
+};
+use thetahat_testing::{Folder, ensure};
+
+/// Relative to the estimate, and to its standard deviation where that is larger.
+const EQUAL: f64 = 1e-9;
+/// The same for IV, whose matrix Z^T X has a larger condition number.
+const EQUAL_IV: f64 = 1e-8;
+/// Simulated in pieces or as a whole, with other steps of the integration, in standard deviations: 0.0096 were found.
+const IV_IN_PIECES: f64 = 0.02;
+/// Between ends of intervals, relative to their width, where the rows are kept.
+const EQUAL_INTERVALS: f64 = 1e-5;
+/// The same between reductions of one record: rounding of filters that start elsewhere, through two derivatives.
+const EQUAL_PIECES: f64 = 5e-10;
+
+/// An experiment with the mask that it states, or else near rest.
+fn experiment(name: &str) -> Experiment {
+    let path = thetahat_testing::root().join("experiments").join(name);
+    Experiment::read(&path, &thetahat_testing::data()).unwrap()
+}
+
+fn masked(mut experiment: Experiment, mask: Mask) -> Experiment {
+    experiment.settings.signal.mask = mask;
+    experiment
+}
+
+fn near_rest(experiment: Experiment) -> Experiment {
+    masked(experiment, Mask::Named(NamedMask::NearRest))
+}
+
+fn every_sample(experiment: Experiment) -> Experiment {
+    masked(experiment, Mask::Named(NamedMask::None))
+}
+
+fn reduce(experiment: &Experiment, threads: usize, piece_samples: usize) -> Reduction {
+    experiment.reduce(&thetahat_testing::data(), ReduceOptions { threads, piece_samples }, &mut |_| {}).unwrap()
+}
+
+fn close(a: f64, b: f64, size: f64, tolerance: f64, what: &str) -> Result<(), Failed> {
+    ensure((a - b).abs() <= tolerance * size, format!("{what}: {a} against {b}, {:e}", (a - b).abs() / size))
+}
+
+fn same(found: &RunResult, expected: &RunResult, tolerance: f64) -> Result<(), Failed> {
+    ensure(found.parameters.len() == expected.parameters.len(), "as many parameters")?;
+    for (f, e) in found.parameters.iter().zip(&expected.parameters) {
+        let deviation = e.standard_deviation.unwrap();
+        close(f.estimate, e.estimate, e.estimate.abs().max(deviation), tolerance, &e.name)?;
+        close(f.standard_deviation.unwrap(), deviation, deviation, tolerance, &format!("sd of {}", e.name))?;
+    }
+    let error = |run: &RunResult| run.relative_error_percent.unwrap();
+    close(error(found), error(expected), error(expected), tolerance, "relative error")?;
+    let condition = |run: &RunResult| run.condition_number.unwrap();
+    close(condition(found), condition(expected), condition(expected), 1e-6, "condition number")?;
+    let joints = found.joint_relative_error_percent.iter().zip(&expected.joint_relative_error_percent);
+    joints.into_iter().try_for_each(|(f, e)| close(f.unwrap(), e.unwrap(), e.unwrap(), tolerance, "error of a joint"))
+}
+
+fn equals_identify(mut experiment: Experiment) -> Result<(), Failed> {
+    experiment.settings.estimation.methods = vec![Method::IDIM_LS];
+    experiment.settings.cases.clear();
+    let results = experiment.run(&thetahat_testing::data(), &mut |_| {})?;
+    let expected = results.run("nominal", Method::IDIM_LS).unwrap();
+    let whole = reduce(&experiment, 1, 1 << 16);
+    let solved = whole.solve()?.results;
+    ensure(solved.samples_used == results.samples_used, "as many samples")?;
+    ensure(solved.decimated_rows == results.decimated_rows, "as many rows")?;
+    same_mask(&solved, &results)?;
+    same(&solved.runs[0], expected, EQUAL)?;
+    same_intervals(&solved.runs[0], expected)?;
+    same_verdict(&solved, &results)?;
+    for piece_samples in [100, 3000, 8191] {
+        let pieces = reduce(&experiment, 2, piece_samples).solve()?.results;
+        same(&pieces.runs[0], &solved.runs[0], EQUAL_PIECES)?;
+        same_intervals(&pieces.runs[0], expected)?;
+        same_verdict(&pieces, &results)?;
+        for (p, s) in pieces.runs[0].parameters.iter().zip(&solved.runs[0].parameters) {
+            let [a, b] = [p, s].map(|p| p.standard_deviation_robust.unwrap());
+            close(a, b, b, 1e-6, &format!("robust sd of {}", s.name))?;
+        }
+    }
+    Ok(())
+}
+
+fn same_intervals(found: &RunResult, expected: &RunResult) -> Result<(), Failed> {
+    for (f, e) in found.parameters.iter().zip(&expected.parameters) {
+        let ([low, high], [from, to]) = (f.interval_95.ok_or("no interval")?, e.interval_95.ok_or("no interval")?);
+        close(low, from, to - from, EQUAL_INTERVALS, &format!("lower end of {}", e.name))?;
+        close(high, to, to - from, EQUAL_INTERVALS, &format!("upper end of {}", e.name))?;
+    }
+    Ok(())
+}
+
+/// The verdict with its reasons, and what cross-validation says.
+fn same_verdict(found: &Results, expected: &Results) -> Result<(), Failed> {
+    let about = |r: &VerdictReason| (r.code, r.verdict, r.concerned.clone());
+    let [f, e] = [found, expected].map(|r| r.verdict_reasons.iter().map(about).collect::<Vec<_>>());
+    ensure(
+        found.verdict == expected.verdict && f == e,
+        format!("{:?} {f:?} against {:?} {e:?}", found.verdict, expected.verdict),
+    )?;
+    let unseen = |r: &Results| r.runs[0].cross_validation_relative_error_percent.ok_or("no cross-validation");
+    close(unseen(found)?, unseen(expected)?, unseen(expected)?, 1e-7, "cross-validation")
+}
+
+/// The masks near rest, and how long torques hold.
+fn same_mask(found: &Results, expected: &Results) -> Result<(), Failed> {
+    for (f, e) in found.recordings.iter().zip(&expected.recordings) {
+        ensure(f.torque_hold_s == e.torque_hold_s, "as long a hold")?;
+        ensure(f.near_rest.is_some() == e.near_rest.is_some(), "a mask or none")?;
+        let Some((f, e)) = f.near_rest.as_ref().zip(e.near_rest.as_ref()) else { continue };
+        close(f.widened_s, e.widened_s, e.widened_s, EQUAL, "widened")?;
+        for (f, e) in f.velocity.iter().zip(&e.velocity) {
+            close(*f, *e, *e, EQUAL, "limit")?;
+        }
+        for (f, e) in f.left_out_percent.iter().zip(&e.left_out_percent) {
+            close(*f, *e, 100.0, EQUAL, "left out")?;
+        }
+    }
+    Ok(())
+}
+
+fn the_demonstration() -> Result<(), Failed> {
+    equals_identify(every_sample(Experiment::demo()?))?;
+    equals_identify(near_rest(Experiment::demo()?))?;
+    equals_identify(masked(Experiment::demo()?, Mask::Stated(StatedMask { velocity: 0.05, widened_s: 0.03 })))
+}
+
+/// A limit below which some joints are for more than four fifths of the time: they keep all samples, and their rows are made
+/// a second time.
+fn joints_that_hardly_move() -> Result<(), Failed> {
+    let experiment = masked(Experiment::demo()?, Mask::Stated(StatedMask { velocity: 1.8, widened_s: 0.1 }));
+    let solved = reduce(&experiment, 1, 3000).solve()?.results;
+    let left_out = &solved.recordings[0].near_rest.as_ref().ok_or("no mask")?.left_out_percent;
+    ensure(left_out.contains(&0.0) && left_out.iter().any(|percent| *percent > 10.0), format!("{left_out:?}"))?;
+    equals_identify(experiment)
+}
+
+fn emps() -> Result<(), Failed> {
+    equals_identify(experiment("emps.toml"))?;
+    equals_identify(near_rest(experiment("emps.toml")))
+}
+
+/// With torques that hold and without samples near rest.
+fn emps_aligned() -> Result<(), Failed> {
+    let experiment = experiment("emps_aligned.toml");
+    ensure(experiment.settings.signal.mask == Mask::Named(NamedMask::NearRest), "a mask near rest")?;
+    equals_identify(experiment)
+}
+
+fn tx40() -> Result<(), Failed> {
+    equals_identify(experiment("tx40_paper.toml"))?;
+    equals_identify(near_rest(experiment("tx40_paper.toml")))
+}
+
+fn tx40_essential() -> Result<(), Failed> {
+    equals_identify(experiment("tx40_essential.toml"))
+}
+
+/// The window is the moving part, which a first pass finds.
+fn tx40_moving_part() -> Result<(), Failed> {
+    let mut experiment = experiment("tx40_paper.toml");
+    experiment.settings.signal.window_start_s = None;
+    experiment.settings.signal.window_end_s = None;
+    equals_identify(experiment.clone())?;
+    equals_identify(near_rest(experiment))
+}
+
+fn kuka() -> Result<(), Failed> {
+    equals_identify(every_sample(experiment("kuka_lwr4.toml")))?;
+    equals_identify(near_rest(experiment("kuka_lwr4.toml")))
+}
+
+/// Instruments from the last iterate before the end of an identification give its estimate.
+fn equals_last_step(mut experiment: Experiment) -> Result<(), Failed> {
+    experiment.settings.estimation.methods = vec![Method::IDIM_IV];
+    experiment.settings.cases.clear();
+    let results = experiment.run(&thetahat_testing::data(), &mut |_| {})?;
+    let expected = results.run("nominal", Method::IDIM_IV).unwrap();
+    let before = &expected.convergence[expected.convergence.len() - 2].estimates;
+    let named: BTreeMap<String, f64> =
+        expected.parameters.iter().zip(before).map(|(p, v)| (p.name.clone(), *v)).collect();
+    let options = ReduceOptions { threads: 2, piece_samples: 3000 };
+    let reduction =
+        experiment.reduce_with_instruments(&thetahat_testing::data(), Some(&named), options, &mut |_| {})?;
+    let solved = reduction.solve()?.results;
+    let iv = solved.run("nominal", Method::IDIM_IV).unwrap();
+    same(iv, expected, EQUAL_IV)?;
+    same_mask(&solved, &results)?;
+    ensure(iv.status == Status::Converged, format!("{:?}", iv.reason))?;
+    let ls = reduce(&experiment, 1, 3000).solve()?.results;
+    same(solved.run("nominal", Method::IDIM_LS).unwrap(), &ls.runs[0], EQUAL_PIECES)
+}
+
+fn iv_of_the_demonstration() -> Result<(), Failed> {
+    equals_last_step(every_sample(Experiment::demo()?))?;
+    equals_last_step(near_rest(Experiment::demo()?))
+}
+
+fn iv_of_emps() -> Result<(), Failed> {
+    equals_last_step(experiment("emps.toml"))
+}
+
+fn iv_of_emps_aligned() -> Result<(), Failed> {
+    equals_last_step(experiment("emps_aligned.toml"))
+}
+
+fn iv_of_tx40() -> Result<(), Failed> {
+    equals_last_step(experiment("tx40_paper.toml"))
+}
+
+/// The demonstration's record with its reference, as a file that is read and simulated in pieces.
+fn recorded_demonstration(folder: &Path, mask: &str, held: bool) -> Experiment {
+    let demo = Experiment::demo().unwrap();
+    let twin = demo.file.twin.as_ref().unwrap();
+    let (record, followed) = (demo.record_twin().unwrap(), demo.twin_motion(twin).unwrap().reference);
+    let moves = followed.moves().unwrap();
+    let columns = |name: &str| (1..=6).map(|j| format!("{name}{j}")).collect::<Vec<_>>();
+    let mut text = [columns("q"), columns("tau"), columns("r")].concat().join(",") + "\n";
+    let [mut r, mut dr, mut ddr] = [[0.0; 6]; 3];
+    for k in 0..record.position.len() {
+        moves.evaluate(k as f64 / record.sample_rate_hz, &mut r, &mut dr, &mut ddr);
+        let values = record.position.sample(k).iter().chain(record.torque.sample(k)).chain(&r);
+        text += &(values.map(f64::to_string).collect::<Vec<_>>().join(",") + "\n");
+    }
+    std::fs::write(folder.join("record.csv"), text).unwrap();
+    let (_, rest) = demo.text.split_once("[signal]").unwrap();
+    let (rest, _) = rest.split_once("[[case]]").unwrap();
+    let source = |name: &str, unit: &str, held: bool| {
+        format!("{{ file = 'record.csv', columns = {:?}, unit = '{unit}', held = {held} }}", columns(name))
+    };
+    let text = format!(
+        "title = 'recorded'\nrobot = 'tx40.toml'\n[recording]\nsample_rate_hz = {}\nposition = {}\ntorque = {}\n\
+         reference = {}\n[signal]\nmask = '{mask}'{rest}",
+        record.sample_rate_hz,
+        source("q", "rad", false),
+        source("tau", "N m", held),
+        source("r", "rad", false),
+    );
+    Experiment::from_texts(&folder.join("recorded.toml"), text, demo.robot_text).unwrap()
+}
+
+/// IV with a simulation in pieces, each started 2 s early, agrees with IV from one simulation of the whole record to
+/// two hundredths of a standard deviation.
+fn iv_in_pieces() -> Result<(), Failed> {
+    ["none", "near-rest"].into_iter().zip([false, true]).try_for_each(|(mask, held)| iv_in_pieces_with(mask, held))
+}
+
+fn iv_in_pieces_with(mask: &str, held: bool) -> Result<(), Failed> {
+    let folder = Folder::new();
+    let mut experiment = recorded_demonstration(folder.path(), mask, held);
+    experiment.settings.estimation.methods = vec![Method::IDIM_IV];
+    let results = experiment.run(folder.path(), &mut |_| {})?;
+    let expected = results.run("nominal", Method::IDIM_IV).unwrap();
+    let before = &expected.convergence[expected.convergence.len() - 2].estimates;
+    let named: BTreeMap<String, f64> =
+        expected.parameters.iter().zip(before).map(|(p, v)| (p.name.clone(), *v)).collect();
+    let options = ReduceOptions { threads: 2, piece_samples: 9000 };
+    let solved =
+        experiment.reduce_with_instruments(folder.path(), Some(&named), options, &mut |_| {})?.solve()?.results;
+    let iv = solved.run("nominal", Method::IDIM_IV).unwrap();
+    let apart =
+        |(f, e): (&ParameterResult, &ParameterResult)| (f.estimate - e.estimate).abs() / e.standard_deviation.unwrap();
+    let worst = iv.parameters.iter().zip(&expected.parameters).map(apart).fold(0.0, f64::max);
+    println!("pieces against the whole: {worst:.1e} standard deviations at the most");
+    ensure(worst < IV_IN_PIECES, format!("{worst} standard deviations"))
+}
+
+fn threads_change_no_byte() -> Result<(), Failed> {
+    let experiment = experiment("tx40_paper.toml");
+    let file = |threads: usize| -> Vec<u8> {
+        let folder = Folder::new();
+        reduce(&experiment, threads, 3000).write(&folder.at("reduction")).unwrap();
+        assert_eq!(Reduction::read(&folder.at("reduction")).unwrap(), reduce(&experiment, 1, 3000));
+        folder.bytes("reduction")
+    };
+    let one = file(1);
+    ensure(one == file(2) && one == file(5), "the same bytes")
+}
+
+/// The trials of this module.
+pub fn all_trials() -> Vec<Trial> {
+    thetahat_testing::trials_on_shared_data(
+        &["datasets/emps", "datasets/tx40", "datasets/kuka_lwr4"],
+        vec![
+            ("the demonstration", the_demonstration),
+            ("joints that hardly move", joints_that_hardly_move),
+            ("EMPS", emps),
+            ("EMPS, aligned", emps_aligned),
+            ("TX40", tx40),
+            ("TX40, essential parameters", tx40_essential),
+            ("TX40, moving part", tx40_moving_part),
+            ("KUKA", kuka),
+            ("IV of the demonstration", iv_of_the_demonstration),
+            ("IV of EMPS", iv_of_emps),
+            ("IV of EMPS, aligned", iv_of_emps_aligned),
+            ("IV of TX40", iv_of_tx40),
+            ("IV in pieces", iv_in_pieces),
+            ("threads change no byte", threads_change_no_byte),
+        ],
+    )
+}
