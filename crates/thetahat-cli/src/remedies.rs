@@ -7,11 +7,11 @@ use thetahat::{
     design::DesignError,
     experiment::{ExperimentError, ProposalError},
     export::{ExportError, MjcfError},
-    output::OutputError,
     reduction::ReductionError,
-    results::NoEstimate,
     symbolic::SymbolicError,
 };
+use thetahat_ground::output::OutputError;
+use thetahat_report::results::NoEstimate;
 
 /// An error with its remedy, as the command prints it.
 pub fn with_remedy(error: &(dyn Error + 'static)) -> String {

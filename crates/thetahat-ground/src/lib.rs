@@ -5,6 +5,8 @@ pub mod series;
 
 pub mod linear_algebra;
 
+mod conversions;
+
 pub mod real;
 
 pub mod vector;

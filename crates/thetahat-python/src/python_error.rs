@@ -8,6 +8,7 @@ use thetahat::{
     campaign::CampaignError,
     dynamics::DynamicsError,
     experiment::{ExperimentError, ProposalError},
+    export::ExportError,
     filter_choice::FilterChoiceError,
     identification::{EstimationError, UnknownMethod},
     preparation::PreparationError,

@@ -3,9 +3,9 @@
 use thetahat::{
     experiment::{ExperimentError, ProposalError},
     export::ExportError,
-    output::OutputError,
-    results::NoEstimate,
 };
+use thetahat_ground::output::OutputError;
+use thetahat_report::results::NoEstimate;
 
 pub fn of_output(error: &OutputError) -> Option<String> {
     let remedy = match error {

@@ -17,7 +17,7 @@ pub struct PageSession(Session);
 
 type Outcome<T> = Result<T, JsError>;
 
-fn told<T>(outcome: session::Outcome<T>) -> Outcome<T> {
+fn to_js<T>(outcome: session::Outcome<T>) -> Outcome<T> {
     outcome.map_err(|error| JsError::new(&with_remedy(error.as_ref())))
 }
 

@@ -117,7 +117,7 @@ fn own_columns(recording: &ThinnedRecording<'_>, j: usize) -> Option<Matrix> {
         let v = motion.dq.sample(k)[j];
         [v, Sign::Exact.of(v), motion.ddq.sample(k)[j], 1.0]
     });
-    record.columns_of(&Series::shaped(4, values.collect()))
+    recording.columns_of(&Series::shaped(4, values.collect()))
 }
 
 /// The torques of the links' a-priori parameters, low-passed like the rows; `None` without masses.

@@ -22,9 +22,9 @@ const REACH: f64 = 1.5;
 pub(super) fn friction_shapes(recording: &ThinnedRecording<'_>) -> Option<Matrix> {
     let rows = recording.rows();
     let mut columns: Vec<Vec<f64>> = Vec::new();
-    for (motion, acts_on) in rubbing(record) {
-        let filtered = record.decimator.filter(&Series::side_by_side(&shapes(&motion))).ok()?;
-        for shape in record.stack(&filtered).chunks(rows) {
+    for FrictionSource { travel, acts_on } in friction_sources(recording) {
+        let filtered = recording.decimator.filter(&Series::side_by_side(&shapes(&travel))).ok()?;
+        for shape in recording.stack(&filtered).chunks(rows) {
             let torques = acts_on.iter().flat_map(|n| shape.iter().map(move |s| n * s));
             columns.push(torques.collect());
         }

@@ -122,5 +122,5 @@ fn own_motion(recording: &ThinnedRecording<'_>, j: usize) -> Option<Matrix> {
         let (q, v) = (motion.q.sample(k)[j], motion.dq.sample(k)[j]);
         [v, Sign::Exact.of(v), motion.ddq.sample(k)[j], 1.0, q.sin(), q.cos()]
     });
-    record.columns_of(&Series::shaped(PENDULUM, values.collect()))
+    recording.columns_of(&Series::shaped(PENDULUM, values.collect()))
 }

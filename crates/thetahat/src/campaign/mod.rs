@@ -33,6 +33,8 @@ mod starts;
 mod store;
 mod summary;
 
+#[doc(hidden)]
+pub use bench::Bench;
 pub use description::{Campaign, Subset};
 #[doc(hidden)]
 pub use description::{CampaignFile, Claim, NoiseLevel, Starts};

@@ -28,17 +28,18 @@ mod run;
 mod search;
 mod text;
 
-#[doc(hidden)]
-pub use criterion::{Criterion, CriterionName};
-pub use description::Design;
-#[doc(hidden)]
-pub use description::DesignFile;
 pub use error::DesignError;
 #[doc(hidden)]
-pub use information::{Information, Judgement};
+pub use prediction::expected::{Expected, ExpectedRecording, NoisyEstimate};
 #[doc(hidden)]
-pub use options::{DesignObjective, LimitOptions, MotionKind, MotionOptions, NoiseOptions, UncertaintyOptions};
+pub use search::{
+    criterion::{Criterion, CriterionName},
+    information::{Information, MotionCriterion},
+};
+pub use text::description::Design;
 #[doc(hidden)]
-pub use prediction::{Expected, ExpectedRecord, NoisyEstimate};
-#[doc(hidden)]
-pub use surroundings_options::{CapsuleOptions, CollisionOptions, ObstacleOptions};
+pub use text::{
+    collision_options::{CapsuleOptions, CollisionOptions, ObstacleOptions},
+    description::DesignFile,
+    options::{DesignObjective, LimitOptions, MotionKind, MotionOptions, NoiseOptions, UncertaintyOptions},
+};

@@ -4,7 +4,6 @@
 use std::path::{Path, PathBuf};
 
 use super::error::ExperimentError;
-use crate::preparation::PreparationError;
 use thetahat_ground::files;
 
 /// The robot description: relative to the experiment, or else in the folder of the data.

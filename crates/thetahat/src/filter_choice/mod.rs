@@ -27,7 +27,7 @@ mod twin;
 
 pub use choose::choose_filter;
 #[doc(hidden)]
-pub use choose::estimate_behind;
+pub use choose::estimate_with_filter;
 pub use error::FilterChoiceError;
 #[doc(hidden)]
 pub use grid::FilterGrid;

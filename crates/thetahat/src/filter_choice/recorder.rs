@@ -84,7 +84,7 @@ fn lag(problem: &Problem, columns: &[usize], torque: &Series, left: &Series) -> 
 }
 
 /// What a model leaves of torques.
-pub(super) fn left(torque: &Series, motion: &Motion, model: &Model, theta: &[f64]) -> Series {
+pub(super) fn residual_of(torque: &Series, motion: &Motion, model: &Model, theta: &[f64]) -> Series {
     let (parameters, mut workspace) = (DynamicParameters::sorted(model, theta), Workspace::new(model));
     let mut left = torque.clone();
     let mut tau = vec![0.0; torque.channels()];
@@ -116,7 +116,7 @@ mod tests {
         let dq = central_difference(&q, RATE_HZ);
         let motion = Motion { ddq: central_difference(&dq, RATE_HZ), dq, q };
         let theta = vec![0.3; model.parameter_table().len()];
-        let minus = left(&Series::zeros(8000, 6), &motion, &model, &theta);
+        let minus = residual_of(&Series::zeros(8000, 6), &motion, &model, &theta);
         let torque = Series::shaped(6, minus.values().iter().map(|v| -v).collect());
         let torque = delayed(&torque, &[samples; 6]);
         (robot, Recording::new(RATE_HZ, motion.q, torque))

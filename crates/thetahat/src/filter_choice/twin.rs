@@ -131,7 +131,7 @@ impl Mover<'_> {
             }
             Err(_) => {
                 let motion = differentiated(reference, rate);
-                let none = left(&Series::zeros(samples, motion.q.channels()), &motion, self.model, self.theta);
+                let none = residual_of(&Series::zeros(samples, motion.q.channels()), &motion, self.model, self.theta);
                 let torque = Series::shaped(none.channels(), none.values().iter().map(|v| -v).collect());
                 (motion.q, torque, self.static_friction(&motion.dq, sign_velocity_scale))
             }
@@ -203,8 +203,4 @@ fn flat_below(noise: Spectrum, bands_hz: &[f64]) -> Spectrum {
 
 fn less(a: &Series, b: &Series) -> Series {
     Series::shaped(a.channels(), a.values().iter().zip(b.values()).map(|(a, b)| a - b).collect())
-}
-
-fn plus(a: &Series, b: &Series) -> Series {
-    Series::shaped(a.channels(), a.values().iter().zip(b.values()).map(|(a, b)| a + b).collect())
 }
