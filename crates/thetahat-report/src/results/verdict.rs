@@ -168,11 +168,11 @@ pub struct VerdictReason {
     pub remedy: String,
 }
 
-/// A reason that the verdict does not know, because what decides of it was not there.
+/// A reason that could not be examined, because the data that decide it were missing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NotExamined {
     /// The rule.
     pub code: ReasonCode,
-    /// What was missing, in a sentence.
+    /// The missing data, in a sentence.
     pub why: String,
 }
