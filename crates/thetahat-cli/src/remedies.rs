@@ -148,7 +148,7 @@ fn of_symbolic(error: &SymbolicError) -> Option<String> {
         }
         SymbolicError::Acceleration { .. } => "these are --model idm and regressor",
         SymbolicError::NoValues { .. } => "give --parameters symbolic, a results.json, or values under [parameters]",
-        SymbolicError::NoIdentifier { .. } => "give one with --name",
+        SymbolicError::NoIdentifier { .. } => "give one with --name, such as arm",
         _ => return None,
     };
     Some(remedy.to_owned())

@@ -1,4 +1,4 @@
-//! Matrices and series to and from those of other crates, each behind a feature of its name. Rows of a series are samples.
+//! Matrices and series to and from those of other crates, each by a feature of its name. Rows of a series are samples.
 
 #[cfg(any(feature = "faer", feature = "nalgebra", feature = "ndarray"))]
 use crate::{linear_algebra::Matrix, series::Series};
@@ -63,7 +63,7 @@ mod tests {
     #[test]
     fn there_and_back_is_the_same() {
         let matrix = Matrix::from_fn(3, 2, |i, j| (10 * i + j) as f64);
-        let series = Series::from_values(2, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        let series = Series::shaped(2, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         assert_eq!(Matrix::from(faer::Mat::from(&matrix).as_ref()), matrix);
         assert_eq!(Matrix::from(&nalgebra::DMatrix::from(&matrix)), matrix);
         assert_eq!(Matrix::from(ndarray::Array2::from(&matrix).view()), matrix);

@@ -6,7 +6,7 @@
 //! assert_eq!(series.sample(1), [1.0, 6.0]);
 //! assert_eq!(series.channel(1), [5.0, 6.0, 7.0]);
 //! assert_eq!(series.window(1..3).len(), 2);
-//! # Ok::<(), thetahat::series::SeriesError>(())
+//! # Ok::<(), thetahat_ground::series::SeriesError>(())
 //! ```
 
 use std::ops::Range;

@@ -17,7 +17,7 @@ use thetahat_estimation::{
     simulation::SimulationError,
     trajectory::TrajectoryError,
 };
-use thetahat_ground::output::OutputError;
+use thetahat_ground::{output::OutputError, series::SeriesError};
 use thetahat_model::{
     base_parameters::BaseParametersError,
     consistency::ConsistencyError,
@@ -57,7 +57,9 @@ pub enum Error {
     Recording(#[from] RecordingError),
     /// A unit is not known.
     Unit(#[from] UnknownUnit),
-    /// A robot has no dynamics.
+    /// Values are no series.
+    Series(#[from] SeriesError),
+    /// A robot has no dynamics, or another number of parameters.
     Dynamics(#[from] DynamicsError),
     /// Base parameters were not found.
     BaseParameters(#[from] BaseParametersError),

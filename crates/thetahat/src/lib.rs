@@ -12,7 +12,7 @@
 //! #   <limit lower="-3" upper="3" effort="50" velocity="5"/></joint></robot>"#;
 //! # use std::path::Path;
 //! # // 10 s at 1 kHz: tau = 0.23 ddq - 5.886 cos q + 0.4 dq + 0.6 sign(dq), with noise on the torque.
-//! # fn logged() -> Result<(f64, Series, Series), SeriesError> {
+//! # fn logged() -> Result<(f64, Series, Series), thetahat::SeriesError> {
 //! #     let (w, a) = ([1.7_f64, 4.1], [0.7_f64, 0.15]);
 //! #     let (mut q, mut tau) = (Vec::new(), Vec::new());
 //! #     for k in 0..10_000 {
@@ -233,7 +233,7 @@ pub use thetahat_ground::linear_algebra::Matrix;
 #[doc(inline)]
 pub use thetahat_ground::one_or_each::OneOrEach;
 #[doc(inline)]
-pub use thetahat_ground::series::Series;
+pub use thetahat_ground::series::{Series, SeriesError};
 #[doc(inline)]
 pub use thetahat_model::robot::Robot;
 #[doc(inline)]

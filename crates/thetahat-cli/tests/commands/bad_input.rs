@@ -408,8 +408,7 @@ fn more_columns_than_joints() {
     Case::valid().experiment("[\"q1\"]", "[\"q1\", \"t\"]").is_refused(&[
         "record.csv",
         "number of channels is 2",
-        "expected 1",
-        "slider",
+        "expected 1, one for each coordinate of the robot",
     ]);
 }
 
@@ -802,7 +801,7 @@ fn results_with_a_locked_joint_are_predicted_from() {
     // Without the mass, the model explains next to nothing.
     is_identified_and_not_used(&case);
     let predict = ["predict", "out/results.json", "--recording", "record.csv"];
-    refused(&case.run(&predict), &["the advice takes no method", "of idim-ls"]);
+    refused(&case.run(&predict), &["the advice takes no method", "one of idim-ls", "--method"]);
     let output = case.run(&[&predict[..], &["--method", "idim-ls"]].concat());
     assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(String::from_utf8_lossy(&output.stdout).contains("not measured"));

@@ -141,7 +141,7 @@ mod tests {
     #[test]
     fn a_motor_near_rest_takes_all_joints_that_move_it() {
         let rule = NearRest { velocity: vec![0.1, 0.1], widened: 0 };
-        // The motor's velocity is -1, 3, 0, 3, 3 ...: it changes its sign behind the first sample and at the third.
+        // The motor's velocity is -1, 3, 0, 3, 3 ...: it changes its sign after the first sample and at the third.
         let dq = Series::side_by_side(&[vec![2.0; 8], vec![-3.0, 1.0, -2.0, 1.0, 1.0, 1.0, 1.0, 1.0]]);
         let motor = Jump { velocity: vec![(0, 1.0), (1, 1.0)], acts_on: vec![0, 1] };
         let mask = RowMask::near_rest(&[motor], &dq, &rule).unwrap();

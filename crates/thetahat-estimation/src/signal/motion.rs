@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_at_rest_is_refused() {
+    fn a_recording_at_rest_is_refused() {
         let result = moving_samples(&Series::shaped(2, vec![1e-4, 0.0, -2e-4, 0.0]), 0.01, 1e-3);
         assert_eq!(result, Err(SignalError::NoMotion { peak_velocity: 2e-4, still_velocity: 1e-3 }));
         let result = moving_samples(&Series::zeros(5, 1), 0.01, 0.0);

@@ -60,7 +60,7 @@ pub enum SymbolicError {
         robot: String,
     },
     /// A name from which no identifier can be made.
-    #[error("`{name}` gives no name that C, Rust, Python and MATLAB can have; give one, such as arm")]
+    #[error("`{name}` gives no name that C, Rust, Python and MATLAB can have")]
     NoIdentifier {
         /// The name.
         name: String,

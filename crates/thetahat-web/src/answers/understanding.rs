@@ -53,8 +53,8 @@ impl Understanding {
         let robot = request.robot.as_ref().and_then(|robot| answer.read_robot(&folder.join(robot)));
         let contents = answer.read_recordings(request, folder);
         if let Some((source, _)) = robot.as_ref().filter(|_| !contents.is_empty()) {
-            let told = answer.read_proposed(request, folder, source, &contents);
-            answer.proposal_error = told.err().map(|error| with_remedy(error.as_ref()));
+            let outcome = answer.read_proposed(request, folder, source, &contents);
+            answer.proposal_error = outcome.err().map(|error| with_remedy(error.as_ref()));
         }
         if answer.skeleton.is_none() {
             answer.skeleton = robot.as_ref().map(|(_, robot)| Skeleton::at_rest(robot));

@@ -6,6 +6,8 @@ mod benchmark;
 mod biased_simulator_power;
 mod closed_loop_study;
 mod consistent_coverage;
+// Shared with the trials, which use other parts of it.
+#[allow(dead_code)]
 #[path = "../../tests/trials/corruption_suite/mod.rs"]
 mod corruption_suite;
 mod corruption_table;

@@ -73,7 +73,7 @@ fn described(experiment: &Experiment, request: &PredictionRequest) -> Result<Rec
     let mut description = chosen.clone();
     if let Some([start, end]) = request.window_s {
         let valid = start.is_finite() && start >= 0.0 && end.is_finite() && end > start;
-        let expected = "a start at or above zero and an end behind it";
+        let expected = "a start at or above zero and an end after it";
         PreparationError::require(valid, "window_s", expected, format!("{start} {end}"))
             .map_err(|e| experiment.refuse(e))?;
         (description.window_start_s, description.window_end_s) = (Some(start), Some(end));

@@ -1,8 +1,11 @@
 //! Tests of the library that need no recorded data, in one program: it links the library once.
 
 mod advice;
+#[cfg(feature = "parquet")]
 mod campaign;
 mod closed_loop;
+// Shared with the studies, which use other parts of it.
+#[allow(dead_code)]
 mod coverage;
 mod demo;
 mod design;
@@ -14,6 +17,7 @@ mod followed_twin;
 mod gaps;
 mod hidden_bias;
 mod locked_joints;
+#[cfg(feature = "parquet")]
 mod long_parquet;
 mod near_rest;
 mod nist_strd;

@@ -10,6 +10,7 @@ use thetahat::{
     preparation::{Payload, PayloadFrame},
     results::Verdict,
 };
+use thetahat_estimation::simulation::{SignalNoise, random_numbers};
 use thetahat_model::consistency::pseudo_inertia;
 use thetahat_testing::project;
 
@@ -98,11 +99,10 @@ impl Twin {
         let n = self.robot.coordinate_count();
         let deviations: Vec<f64> = (0..n).map(|j| NOISE / (1.0 + j as f64)).collect();
         let mut series = |torque: &[f64]| {
-            let noisy = torque.iter().enumerate().map(|(i, tau)| {
-                let noise: f64 = StandardNormal.sample(&mut random);
-                (tau + NOISE / (1.0 + (i % n) as f64) * noise) / factors[i % n]
-            });
-            Series::shaped(n, noisy.collect())
+            let torque = Series::shaped(n, torque.to_vec());
+            let mut noisy = SignalNoise::White(&deviations).added_to(torque, &mut random);
+            noisy.values_mut().iter_mut().enumerate().for_each(|(i, tau)| *tau /= factors[i % n]);
+            noisy
         };
         let without =
             Recording::new(RATE_HZ * self.speed, self.positions[0].clone(), series(&self.unloaded[0])).named("without");

@@ -3,11 +3,14 @@
 
 use std::path::{Path, PathBuf};
 
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
     Experiment, Identification, Method, Recording, Results, Robot, Series, Settings,
     results::{ReasonCode, Verdict},
 };
-use thetahat_report::results::{Comparison, TwinRecord};
+use thetahat_report::results::{Comparison, TwinRecording};
 
 const SEEDS: u64 = 60;
 

@@ -5,6 +5,8 @@
 mod base_parameter_counts;
 mod clean_records;
 mod consistency_reference;
+// Shared with the studies, which use other parts of it.
+#[allow(dead_code)]
 mod corruption_suite;
 mod corruptions;
 mod defects;

@@ -1,9 +1,10 @@
 //! What the sensors of a twin add to its motion: encoder steps and noise, white or coloured torque noise.
 
 use std::f64::consts::TAU;
+use thetahat_estimation::simulation::{Autoregression, SignalNoise, random_numbers};
 
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal, StandardUniform};
+use rand_distr::{Distribution, StandardUniform};
 use thetahat::Series;
 
 use super::twin::Twin;

@@ -6,7 +6,7 @@ use thetahat::{
     Recording, Series, Settings,
     base_parameters::BaseParameters,
     dynamics::Model,
-    filter_choice::{choose_filter, estimate_behind, sizes},
+    filter_choice::{choose_filter, estimate_with_filter, sizes},
     signal::{Padding, SecondOrderSections, zero_phase},
 };
 use thetahat_estimation::signal::delayed;

@@ -8,9 +8,6 @@
 //! `cargo run --release -p thetahat --example studies -- filter_study [--data DIR] [--cases 100] [--first 1] [--robot NAME]`
 
 mod case;
-#[expect(dead_code, reason = "the rest of the twins is for the robustness table")]
-use super::twins;
-
 use std::{error::Error, path::PathBuf};
 
 use self::case::{Case, Outcome};

@@ -7,10 +7,8 @@ use std::{
     io::{BufWriter, Write},
     path::{Path, PathBuf},
 };
+use thetahat_estimation::simulation::{SignalNoise, random_numbers};
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use thetahat::{Experiment, Series};
 
 const RATE_HZ: f64 = 5000.0;

@@ -13,9 +13,6 @@
 mod arguments;
 mod cells;
 mod table;
-#[expect(dead_code, reason = "other motions are those of the filter study")]
-use super::twins;
-
 use std::{error::Error, time::Instant};
 
 use self::arguments::{Arguments, FACTORS};

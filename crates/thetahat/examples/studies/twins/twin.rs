@@ -1,4 +1,5 @@
 use std::{error::Error, f64::consts::TAU};
+use thetahat_estimation::simulation::{NoisySignals, RecordingNoise, SignalNoise, random_numbers};
 
 use thetahat::{
     ControllerDescription, Recording, Robot, Series,

@@ -5,7 +5,7 @@ use std::path::Path;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use thetahat::{Experiment, Identification, Recording, Robot, Series, Settings, design::ExpectedRecord};
+use thetahat::{Experiment, Identification, Recording, Robot, Series, Settings, design::ExpectedRecording};
 use thetahat_testing::{Folder, project};
 
 use super::support::{DESIGN, assert_within_limits, key_of, parse, rehearsal, torques};
@@ -102,7 +102,7 @@ fn a_rehearsal_carries_the_payload() {
     let folder = Folder::new();
     let (design, results, rehearsal) = rehearsal(&folder, &with_payload());
     let out = folder.path().join("out");
-    thetahat_report::report::write_record(&rehearsal.record_twin().unwrap(), &out.join("recording.csv")).unwrap();
+    thetahat_report::report::write_recording(&rehearsal.record_twin().unwrap(), &out.join("recording.csv")).unwrap();
     let experiment = Experiment::read(&out.join("experiment.toml"), Path::new("")).unwrap();
     let found = experiment.run(&out, &mut |_| {}).unwrap();
     let run = found.runs.iter().find(|run| run.method.name() == results.method).unwrap();

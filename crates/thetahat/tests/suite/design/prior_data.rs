@@ -53,7 +53,7 @@ fn results_at_hand_are_compared_with() {
     assert_eq!(times.len(), both.predicted.len());
     let mean = (times.iter().map(|t| t.ln()).sum::<f64>() / times.len() as f64).exp();
     assert!((0.8..1.25).contains(&mean), "{mean}");
-    let text = thetahat::report::design_text(&both, thetahat::report::TextWidth::DEFAULT);
+    let text = thetahat_report::report::design_text(&both, thetahat_report::report::TextWidth::DEFAULT);
     assert!(text.contains("times as narrow"), "{text}");
     // The residual of that record is the noise of the design: a design with it predicts the same.
     let with_noise = |file: &str| with_controller().replace("torque = 0.1", &format!("results = '{file}'"));

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use thetahat::{Experiment, design::ExpectedRecord, results::DesignResults};
+use thetahat::{Experiment, design::ExpectedRecording, results::DesignResults};
 use thetahat_report::results::PredictedParameter;
 use thetahat_testing::Folder;
 

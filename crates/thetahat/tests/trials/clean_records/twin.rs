@@ -2,6 +2,7 @@
 //! friction of its own law, seen through sensors.
 
 use std::f64::consts::TAU;
+use thetahat_estimation::simulation::{SignalNoise, random_numbers};
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -137,7 +138,7 @@ impl Twin {
         let span =
             own.iter().fold(f64::NEG_INFINITY, |p, t| p.max(*t)) - own.iter().fold(f64::INFINITY, |p, t| p.min(*t));
         let noise = SignalNoise::White(&[self.noise * deviation]);
-        let noisy = noise.added_to(Series::from_values(1, own), rng).channel(0);
+        let noisy = noise.added_to(Series::shaped(1, own), rng).channel(0);
         for (k, noisy) in noisy.into_iter().enumerate() {
             let step = if self.torque_steps > 0.0 { span / self.torque_steps } else { 0.0 };
             torque.sample_mut(k)[j] = if step > 0.0 { step * (noisy / step).round() } else { noisy };

@@ -6,7 +6,7 @@ use thetahat::{
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     signal::{Derivative, band_pass},
 };
-use thetahat_estimation::checks::{Companion, compare, measure_together};
+use thetahat_estimation::checks::{Companion, Measure, compare, measure_across_recordings};
 
 use super::{
     corruptions::{scale, set},
