@@ -4,8 +4,11 @@ use std::{error::Error, path::Path};
 
 use thetahat::{
     Experiment,
-    reduction::{ReduceOptions, ReduceProgress, ReducedRecording, Reduction, Solution, estimates_of_results},
+    reduction::{
+        IntervalSource, ReduceOptions, ReduceProgress, ReducedRecording, Reduction, Solution, estimates_of_results,
+    },
     report::Published,
+    results::NotExamined,
 };
 use thetahat_ground::output::OutputGuard;
 use thetahat_report::report;
@@ -62,16 +65,20 @@ pub fn solve(request: &arguments::Solve) -> Result<Ending, Box<dyn Error>> {
     show(&solution.results, published.as_ref(), &request.output, &note(&solution, request.merged.as_deref()))
 }
 
-/// Where the intervals come from, and where the merged reductions are.
+/// Where the intervals come from, what was not examined, and where the merged reductions are.
 fn note(solution: &Solution, merged: Option<&Path>) -> String {
-    let intervals = match solution.segments {
-        Some(segments) => format!(
-            "\nIntervals from {segments} stretches of time, cluster-robust; identify takes them from the correlation of rows, \
+    let intervals = match solution.intervals {
+        IntervalSource::Rows => String::new(),
+        IntervalSource::Stretches(stretches) => format!(
+            "\nIntervals from {stretches} stretches of time, cluster-robust; identify takes them from the correlation of rows, \
              and they differ (docs/manual/long_recordings.md).\n"
         ),
-        None => "\nNo intervals: fewer than two stretches of time.\n".to_owned(),
+        IntervalSource::None => "\nNo intervals: no estimate, or fewer than two stretches of time.\n".to_owned(),
     };
-    merged.map_or(intervals.clone(), |path| format!("{intervals}\nwritten: {}\n", path.display()))
+    let line = |n: &NotExamined| format!("not examined: {}: {}\n", n.code, n.why);
+    let not_examined: String = solution.results.not_examined.iter().map(line).collect();
+    let written = merged.map(|path| format!("\nwritten: {}\n", path.display())).unwrap_or_default();
+    format!("{intervals}{not_examined}{written}")
 }
 
 /// The published figures that the experiment names, if the file still exists.

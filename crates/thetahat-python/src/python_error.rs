@@ -168,6 +168,7 @@ impl From<ReductionError> for PythonError {
             | ReductionError::NoTorque { .. }
             | ReductionError::Unlike { .. }
             | ReductionError::SameRecording { .. }
+            | ReductionError::Overlap { .. }
             | ReductionError::Apart { .. }
             | ReductionError::NoReference { .. }
             | ReductionError::Simulation { .. }

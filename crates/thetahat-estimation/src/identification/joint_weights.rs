@@ -69,8 +69,7 @@ fn compressed(regression: &Regression) -> Regression {
     let stacked = Matrix::stack(&factors.iter().collect::<Vec<_>>());
     let columns = regression.x.columns();
     let x = stacked.select_columns(&(0..columns).collect::<Vec<_>>());
-    let represented = regression.represented.clone();
-    Regression { represented, ..Regression::new(x, stacked.column(columns).to_vec(), few) }
+    Regression::of_factors(x, stacked.column(columns).to_vec(), few, regression.represented.clone())
 }
 
 #[cfg(test)]

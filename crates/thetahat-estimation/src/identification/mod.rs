@@ -37,6 +37,7 @@ mod outcome;
 mod prediction_error;
 mod row_mask;
 mod steps;
+mod stretches;
 mod uncertainty;
 mod user_estimator;
 
@@ -52,5 +53,7 @@ pub use prediction_error::{PredictionErrorEstimation, SimulationRequest};
 pub use row_mask::{NearRest, RowMask};
 #[doc(hidden)]
 pub use row_mask::{hardly_moves, share_of_row};
+#[doc(hidden)]
+pub use stretches::uncertainty_of_stretches;
 pub use uncertainty::{Uncertainty, uncertainty};
 pub use user_estimator::{UserError, UserEstimate, UserEstimator, UserEstimatorName, UserRegression};

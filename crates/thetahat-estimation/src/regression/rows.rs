@@ -18,6 +18,9 @@ pub struct Regression {
     pub layout: Arc<RowLayout>,
     /// Number of rows of each joint that these represent: their own number, fewer with a mask, more for triangular factors.
     pub represented: Vec<f64>,
+    /// Whether the rows of a block follow one another in time, so that their residual can be tested for correlation: the
+    /// rows of triangular factors do not.
+    pub is_in_time_order: bool,
 }
 
 impl Regression {
@@ -25,7 +28,14 @@ impl Regression {
     #[must_use]
     pub fn new(x: Matrix, y: Vec<f64>, layout: RowLayout) -> Self {
         let represented = layout.counted_by_joint();
-        Self { x: Arc::new(x), y: Arc::new(y), weights: None, layout: Arc::new(layout), represented }
+        let (x, y, layout) = (Arc::new(x), Arc::new(y), Arc::new(layout));
+        Self { x, y, weights: None, layout, represented, is_in_time_order: true }
+    }
+
+    /// Rows of triangular factors, without weights, and the number of rows of each joint for which they stand.
+    #[must_use]
+    pub fn of_factors(x: Matrix, y: Vec<f64>, layout: RowLayout, represented: Vec<f64>) -> Self {
+        Self { represented, is_in_time_order: false, ..Self::new(x, y, layout) }
     }
 
     /// Rows of one joint in one recording, without weights.

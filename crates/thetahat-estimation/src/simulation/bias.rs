@@ -1,5 +1,8 @@
 use serde::{Deserialize, Serialize};
 
+/// Name of the case without errors of the simulator.
+pub const NOMINAL: &str = "nominal";
+
 /// How the simulator differs from the true loop: factors, and an additional delay.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]

@@ -42,6 +42,8 @@ mod step_control;
 mod stiffness;
 mod system;
 
+#[doc(hidden)]
+pub use bias::NOMINAL;
 pub use bias::{BiasKind, SimulatorBias};
 pub use closed_loop::{ClosedLoop, Job};
 pub use dormand_prince::DormandPrince;

@@ -12,7 +12,7 @@ use super::{
     run::RunResult,
     terms::{ProfiledTerm, TermComparison},
     user_run::UserRun,
-    verdict::{Verdict, VerdictReason},
+    verdict::{NotExamined, Verdict, VerdictReason},
 };
 use thetahat_estimation::identification::Method;
 use thetahat_model::robot::{LockedJoint, RobotFile};
@@ -21,8 +21,7 @@ use thetahat_model::robot::{LockedJoint, RobotFile};
 /// aliases of the fields; files with schema 0 and 1 are still read.
 pub const SCHEMA: u32 = 2;
 
-/// Name of the case without errors of the simulator.
-pub const NOMINAL: &str = "nominal";
+pub use thetahat_estimation::simulation::NOMINAL;
 
 /// The results of an experiment: the content of `results.json`, and the curves of the report.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -42,6 +41,9 @@ pub struct Results {
     /// Why the verdict is not good, the most serious reason first.
     #[serde(default)]
     pub verdict_reasons: Vec<VerdictReason>,
+    /// Reasons that could not be examined, as the results come from a reduction.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub not_examined: Vec<NotExamined>,
     /// The joints, one for each coordinate, in the order of all numbers that are given per joint. Empty if it was
     /// read from a file of schema 0.
     #[serde(default)]

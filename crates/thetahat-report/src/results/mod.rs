@@ -85,7 +85,7 @@ pub use side_by_side::{ComparedParameter, SettingDifference, Side, SideBySide, S
 pub use terms::{JointTermComparison, ProfiledTerm, TermComparison, TermLaw};
 pub use twin::TwinRecording;
 pub use user_run::UserRun;
-pub use verdict::{ReasonCode, ReasonSubject, Verdict, VerdictReason};
+pub use verdict::{NotExamined, ReasonCode, ReasonSubject, Verdict, VerdictReason};
 
 // The values of other rooms that results hold and reports show.
 pub use thetahat_data::recording::{ChannelSummary, ColumnSummary, Contents, Resampling, TableSummary, TimeSummary};

@@ -167,3 +167,12 @@ pub struct VerdictReason {
     #[serde(default)]
     pub remedy: String,
 }
+
+/// A reason that could not be examined, because the data that decide it were missing.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NotExamined {
+    /// The rule.
+    pub code: ReasonCode,
+    /// The missing data, in a sentence.
+    pub why: String,
+}

@@ -39,7 +39,7 @@ fn distrusts(evidence: &Evidence<'_>, method: Method) -> bool {
 
 /// IV wherever its instruments are strong, since it needs no exact simulator, unless LS agrees and is much more precise; then
 /// LS, then the methods that fit the simulated loop, those with exact sensitivities first and torques before positions. None
-/// of them where DIDIM and IV differ and it cannot be told which is wrong, or where the recordings have a problem that makes
+/// of them where DIDIM and IV differ and nothing shows which is wrong, or where the recordings have a problem that makes
 /// every number worthless.
 fn take(evidence: &Evidence<'_>) -> Option<Method> {
     if evidence.verdict() == Some(Comparison::Undecided) || evidence.problems.refuse_all() {
@@ -203,7 +203,7 @@ pub(super) mod tests {
         assert!(wasteful.text.contains("5 times as uncertain"), "{}", wasteful.text);
     }
 
-    /// Beside a position error of 0.00056 % a motor inertia was off by 62 deviations, and nothing said so.
+    /// With a position error of 0.00056 % a motor inertia was off by 62 deviations, and nothing said so.
     #[test]
     fn a_method_that_contradicts_the_measured_motion_is_distrusted() {
         let diagnosis = agreeing();

@@ -6,7 +6,7 @@ use thetahat_estimation::identification::uncertainty;
 use thetahat_ground::linear_algebra::norm;
 use thetahat_report::results::{ApproximatedParameter, ApproximationResult};
 
-/// Compares both estimates, and Z with J; none where one of them has no deviations.
+/// Compares both estimates, and Z with J; none if one of them has no deviations.
 pub(super) fn approximation(
     problem: &Problem,
     didim: &MethodEstimate,

@@ -14,7 +14,7 @@ use thetahat_ground::linear_algebra::{Matrix, PivotedQr};
 use thetahat_report::results::{BiasExplanation, BiasedSimulatorResult, Comparison};
 
 /// DIDIM's residual over IV's below which the measured motion may be wrong as well as the simulated one. Wrong
-/// simulators leave 0.94 to 11 times the residual, an exact one beside a filtered velocity whose sign is wrong at rest 0.43
+/// simulators leave 0.94 to 11 times the residual, an exact one with a filtered velocity whose sign is wrong at rest 0.43
 /// to 0.89 times (twins of the TX40 and EMPS).
 const EXPLAINS_BETTER: f64 = 0.9;
 /// Difference of one parameter, in deviations of IV, that matters by itself: among many parameters the average hides it.
@@ -80,7 +80,7 @@ fn compare(rejected: bool, average: f64, most: f64, ratio: f64) -> Comparison {
     if !rejected && matters && ratio > 1.0 { Comparison::Unclear } else { comparison(rejected, average) }
 }
 
-/// The statistic, of sorted ones of so many draws, that 5 % of them and the record's own exceed; none where it is infinite.
+/// The statistic, of sorted ones of so many draws, that 5 % of them and the recording's own exceed; none if it is infinite.
 fn threshold(statistics: &[f64]) -> Option<f64> {
     let place = ((1.0 - SIGNIFICANCE) * (statistics.len() + 1) as f64).round() as usize;
     statistics.get(place - 1).copied().filter(|t| t.is_finite())
@@ -132,7 +132,7 @@ fn explanation(kind: BiasKind, compared: &SimulatorComparison, change: &[f64]) -
 mod tests {
     use super::*;
 
-    /// What twins gave: exact simulators beside noise in the measured motion, and a torque that was held.
+    /// What twins gave: exact simulators with noise in the measured motion, and a torque that was held.
     #[test]
     fn a_difference_that_chance_makes_of_a_larger_residual_is_none() {
         for (average, ratio) in [(0.56, 0.842), (0.63, 0.888), (0.67, 0.895), (0.54, 0.871), (0.59, 0.884)] {
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn five_percent_of_the_draws_and_the_record_are_above_the_threshold() {
+    fn five_percent_of_the_draws_and_the_recording_are_above_the_threshold() {
         let statistics: Vec<f64> = (1..=DRAWS).map(|k| k as f64).collect();
         assert_eq!((DRAWS, threshold(&statistics)), (199, Some(190.0)));
         let unbounded: Vec<f64> = (1..=DRAWS).map(|k| if k < 190 { 1.0 } else { f64::INFINITY }).collect();

@@ -13,7 +13,7 @@ pub(super) const WEAK: f64 = 10.0;
 /// on the TX40 CLIE and DIDIM differ from IV by 0.3.
 const CONTRADICTING: f64 = 3.0;
 /// Times that the deviations of IV are those of LS from which its instruments say too little: together with a difference below
-/// half a deviation of IV, the mean square error of LS is at most half of that of IV.
+/// half a deviation of IV, the mean square error of LS is at most half of the one of IV.
 const WASTEFUL: f64 = 2.0;
 
 /// What the advice needs of a run.
@@ -63,7 +63,7 @@ pub(super) struct Distance {
 }
 
 impl Distance {
-    /// None where a method has no estimate with deviations.
+    /// None if a method has no estimate with deviations.
     fn of(methods: [Method; 2], runs: &[&RunResult]) -> Option<Self> {
         let [of_loop, measured] = methods.map(|method| converged(runs, method));
         let (of_loop, measured) = (of_loop?, measured?);
@@ -80,7 +80,7 @@ impl Distance {
 }
 
 impl<'a> Evidence<'a> {
-    /// The runs of a case beside its diagnosis.
+    /// The runs of a case with its diagnosis.
     pub(super) fn of(diagnosis: &'a CaseDiagnosis, runs: &[RunResult], findings: &[RecordingFindings]) -> Self {
         let own: Vec<&RunResult> = runs.iter().filter(|r| r.case == diagnosis.case).collect();
         let problems = Problems::of(findings, &own);

@@ -67,7 +67,7 @@ fn less_mean(y: &[f64]) -> Vec<f64> {
     y.iter().map(|y| y - mean).collect()
 }
 
-/// By how many robust deviations of the shifted fits the logarithm of what is left is below their median; none where the fits
+/// By how many robust deviations of the shifted fits the logarithm of what is left is below their median; none if the fits
 /// leave nothing, or do not differ.
 fn deviations_above_shifted(x: &Matrix, y: &[f64]) -> Option<f64> {
     if x.columns() == 0 || x.columns() >= x.rows() {
@@ -97,7 +97,7 @@ mod tests {
 
     const ROWS: usize = 400;
 
-    /// Sines as columns, and a torque of noise with a correlation from row to row beside some part of the first column.
+    /// Sines as columns, and a torque of noise with a correlation from row to row added to some part of the first column.
     fn regression(seed: u64, correlation: f64, part: f64) -> Regression {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let column = |k: usize, c: usize| (0.013 * (1.0 + 1.7 * c as f64) * k as f64 + c as f64).sin();
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn a_motion_is_told_from_noise_of_any_correlation() {
+    fn a_motion_is_distinguished_from_noise_of_any_correlation() {
         for (seed, correlation) in (0..200).flat_map(|seed| [0.0, 0.5, 0.9].map(|c| (seed, c))) {
             let noise = of(&regression(seed, correlation, 0.0));
             assert!(noise.is_by_chance(), "seed {seed}, {correlation}: {noise:?}");

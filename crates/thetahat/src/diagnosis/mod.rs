@@ -40,7 +40,8 @@ pub(crate) fn diagnose(
     estimated: &[MethodEstimate],
     simulate: &Simulate<'_>,
 ) -> CaseDiagnosis {
-    let iv = converged(estimated, Method::IDIM_IV).and_then(Whitened::new);
+    // Its tests need rows in time order.
+    let iv = converged(estimated, Method::IDIM_IV).filter(|iv| iv.regression.is_in_time_order).and_then(Whitened::new);
     let didim = converged(estimated, Method::DIDIM);
     CaseDiagnosis {
         case: case.name.clone(),

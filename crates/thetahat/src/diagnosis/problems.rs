@@ -91,7 +91,7 @@ impl Problems {
     }
 }
 
-/// A recording in words, as it stands in findings.
+/// A recording in words, as findings name it.
 pub(super) fn place(recording: &str) -> String {
     let is_said = recording.starts_with("all ") || recording.starts_with("robot ");
     if is_said { recording.to_owned() } else { format!("recording {recording}") }

@@ -101,7 +101,7 @@ fn same_simulator(evidence: &Evidence<'_>, test: &BiasedSimulatorResult) -> Stri
     if ran.is_empty() || !test.verdict.distrusts() {
         return String::new();
     }
-    format!(" The same simulator is behind {}.", ran.join(" and "))
+    format!(" The same simulator is used by {}.", ran.join(" and "))
 }
 
 /// How an LS estimate fits what it has and has not seen, and how far its classical deviations are too small.
@@ -160,7 +160,7 @@ fn simulator_text(test: &BiasedSimulatorResult) -> String {
         Comparison::Undecided => format!(
             "didim differs from idim-iv by {numbers}, most in {}, and explains the torques better, with {ratio} times its \
              residual: the measured motion may be wrong as well as the simulator. A drive signal that is held from sample to \
-             sample is recorded half a sample early: say so by held = true beside its columns. Samples near rest have the wrong \
+             sample is recorded half a sample early: say so by held = true next to its columns. Samples near rest have the wrong \
              sign of friction: leave more of them out by a larger velocity in [signal] mask. Then compare again.",
             names(test)
         ),
@@ -220,7 +220,7 @@ fn short(value: f64) -> String {
     format!("{rounded}")
 }
 
-/// The bootstrap knows no probability below that of one of its draws and the record itself.
+/// The bootstrap knows no probability below that of one of its draws and the recording itself.
 fn bootstrap_p_value(test: &BiasedSimulatorResult) -> String {
     let least = 1.0 / (test.draws + 1) as f64;
     if test.p_value > least { format!("p = {}", short(test.p_value)) } else { format!("p <= {}", short(least)) }

@@ -95,7 +95,7 @@ pub enum PreparationError {
         /// What needs it.
         why: &'static str,
     },
-    /// The position filter asks for more than the record holds.
+    /// The position filter asks for more than the recording holds.
     #[error("[signal] {source}")]
     Signal {
         /// Why.

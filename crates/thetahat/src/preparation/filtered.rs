@@ -20,12 +20,12 @@ use thetahat_model::{
 pub(crate) const MOVING: f64 = 0.01;
 /// Peak velocity in rad/s or m/s below which a joint counts as still.
 pub(crate) const STILL: f64 = 1e-3;
-/// Periods of the position filter's cut-off that are cut at both ends of a record: the reach of its transient, where a
-/// record starts or ends in motion.
+/// Periods of the position filter's cut-off that are cut at both ends of a recording: the reach of its transient, where a
+/// recording starts or ends in motion.
 const EDGE_PERIODS: f64 = 5.0;
 /// Longest gap that is bridged, in periods of the cut-off: the motion lies a factor of five below.
 const SHORT_PERIODS: f64 = 0.5;
-/// Fewest periods of the position filter's cut-off in a record: with fewer, the ends are all that is left of it.
+/// Fewest periods of the position filter's cut-off in a recording: with fewer, the ends are all that is left of it.
 const FEWEST_PERIODS: f64 = 10.0;
 
 /// A recording with its band-passed motion in the window.
@@ -42,7 +42,7 @@ pub(crate) struct FilteredRecording {
     pub(crate) window: Range<usize>,
     /// Samples, counted in the window, that make no rows: gaps, and what the position filter made of them.
     pub(crate) left_out: Vec<Range<usize>>,
-    /// What counts as near rest; none where every sample makes rows.
+    /// What counts as near rest; none if every sample makes rows.
     pub(crate) near_rest: Option<NearRest>,
     /// The channels that torque terms take, over the whole recording, filtered as the positions are.
     pub(crate) channels: Option<Series>,
@@ -62,7 +62,7 @@ impl Setup<'_> {
         let known = payload_torque.iter().chain(&fixed_torque);
         let recording = known.fold(recording, Recording::less_torque);
         let Motion { q, dq, ddq } = whole;
-        // A record without motion is refused with a stated window as well.
+        // A recording without motion is refused with a stated window as well.
         let moving = moving_samples(&dq, MOVING, STILL)?;
         let window = window_of(moving, dq.len(), rate, &options)?;
         let cut = |series: &Series| series.window(window.clone());
@@ -82,8 +82,8 @@ impl Setup<'_> {
         Ok(Some(torques(&model, &theta, motion, None)))
     }
 
-    /// The torques of the parameters at a value; none where there are none.
-    fn fixed_torque(&self, motion: &Motion, channels: Option<Series>) -> Option<Series> {
+    /// The torques of the parameters at a value; none if there are none.
+    pub(crate) fn fixed_torque(&self, motion: &Motion, channels: Option<Series>) -> Option<Series> {
         let fix = &self.settings.parameters.fix;
         if fix.is_empty() {
             return None;
@@ -110,11 +110,11 @@ impl Setup<'_> {
         found.map(Some).ok_or_else(refuse)
     }
 
-    /// A record must be long beside the period of the position filter.
+    /// A recording must be long compared with the period of the position filter.
     pub(crate) fn require_periods(&self, samples: usize, sample_rate_hz: f64) -> Result<(), PreparationError> {
         let cutoff_hz = self.settings.signal.cutoff_hz;
         let slowest = FEWEST_PERIODS * sample_rate_hz / samples as f64;
-        let expected = format!("at least {slowest:.3}, {FEWEST_PERIODS} periods in the record");
+        let expected = format!("at least {slowest:.3}, {FEWEST_PERIODS} periods in the recordinging");
         PreparationError::require(cutoff_hz >= slowest, "[signal] cutoff_hz", &expected, cutoff_hz)
     }
 }
@@ -127,7 +127,7 @@ pub(crate) fn torques(model: &Model, theta: &[f64], motion: &Motion, channels: O
     Regressor::new(model, &columns).with_channels(channels).torques(model, [q, dq, ddq], Sign::Exact, &given)
 }
 
-/// The window of a record of so many samples that moves in a range of them: the stated one, or the moving part without the
+/// The window of a recording of so many samples that moves in a range of them: the stated one, or the moving part without the
 /// edges of the filter.
 pub(crate) fn window_of(
     moving: Range<usize>,
@@ -145,7 +145,7 @@ pub(crate) fn window_of(
     };
     if end > samples {
         let found = format!("{} s", options.window_end_s.unwrap_or_default());
-        let record = format!("at most the record's {:.4} s", samples as f64 / sample_rate_hz);
+        let record = format!("at most the recording's {:.4} s", samples as f64 / sample_rate_hz);
         return Err(PreparationError::value("[signal] window_end_s", &record, found));
     }
     if start >= end {
@@ -156,8 +156,8 @@ pub(crate) fn window_of(
 }
 
 /// The samples of a window that make no rows. A gap of at most half a period of the cut-off is bridged well: it is left out
-/// with as much beside it. Across a longer one the motion is not known: there the filter's transients are cut as at the ends
-/// of a record.
+/// with as much on each side. Across a longer one the motion is not known: there the filter's transients are cut as at the ends
+/// of a recording.
 fn left_out(gaps: &[Range<usize>], window: &Range<usize>, rate_hz: f64, cutoff_hz: f64) -> Vec<Range<usize>> {
     let edge = (EDGE_PERIODS * rate_hz / cutoff_hz).ceil() as usize;
     let mut left_out: Vec<Range<usize>> = Vec::new();
@@ -183,7 +183,7 @@ impl FilteredRecording {
         Ok(signal.decimator(self.window.len())?.leaving_out(&self.left_out))
     }
 
-    /// The samples of its window that are near rest, of a model with these parameters; none where all make rows.
+    /// The samples of its window that are near rest, of a model with these parameters; none if all make rows.
     pub(crate) fn mask(&self, model: &Model, parameters: &[usize]) -> Option<Arc<RowMask>> {
         let rule = self.near_rest.as_ref()?;
         RowMask::near_rest(&Jump::among(model, parameters), &self.motion.dq, rule).map(Arc::new)
@@ -253,7 +253,7 @@ mod tests {
 
     /// At 1 kHz and 50 Hz a gap of 10 samples is short, and 100 samples are an edge.
     #[test]
-    fn short_gaps_are_left_out_with_as_much_beside_and_long_ones_with_edges() {
+    fn short_gaps_are_left_out_with_as_much_on_each_side_and_long_ones_with_edges() {
         let at = |gaps: &[Range<usize>]| left_out(gaps, &(1000..5000), 1000.0, 50.0);
         assert_eq!(at(&[2000..2003, 2004..2005, 3000..3011]), [997..1006, 1900..2111]);
         assert_eq!(at(&[100..300, 990..1000, 4999..5000, 6000..6001]), [0..10, 3998..4000]);

@@ -1,4 +1,4 @@
-//! What CLIE and CLOE estimate of the loop beside the robot's parameters.
+//! What CLIE and CLOE estimate of the loop in addition to the robot's parameters.
 
 use std::borrow::Cow;
 
@@ -56,7 +56,7 @@ impl LoopParameter {
     }
 }
 
-/// The quantities of the loop that are estimated, in the order of the estimate behind the robot's parameters: logarithms of
+/// The quantities of the loop that are estimated, in the order of the estimate after the robot's parameters: logarithms of
 /// factors, and a delay in s. Zeros leave the loop as it is described.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct LoopParameters(Vec<SensitiveTo>);
@@ -154,20 +154,20 @@ mod tests {
         LoopParts { controller: Cow::Borrowed(controller), transmission, bias: SimulatorBias::NONE }
     }
 
-    /// Gains by bandwidth and gains as stated give the same signal, before and behind a factor.
+    /// Gains by bandwidth and gains as stated give the same signal, before and after a factor.
     #[test]
     fn one_motors_gain_is_multiplied_and_the_other_stays() {
         let description = ControllerDescription::pd(10.0);
         let inertia = [2.0, 5.0];
         let loop_parameters = LoopParameters::new(&[LoopParameter::PositionGains], 2);
         let changed = loop_parameters.apply(&[0.0, 2.0_f64.ln()], parts(&description), &inertia);
-        let (before, behind) = (description.resolve(&inertia, 1.0), changed.controller.resolve(&inertia, 1.0));
+        let (before, after) = (description.resolve(&inertia, 1.0), changed.controller.resolve(&inertia, 1.0));
         let of_position = |c: &thetahat_estimation::control::Controller, motor| c.command(motor, 0.01, 0.0, 0.0, 0.0);
-        assert!((of_position(&behind, 0) - of_position(&before, 0)).abs() < 1e-12);
-        assert!((of_position(&behind, 1) - 2.0 * of_position(&before, 1)).abs() < 1e-9);
+        assert!((of_position(&after, 0) - of_position(&before, 0)).abs() < 1e-12);
+        assert!((of_position(&after, 1) - 2.0 * of_position(&before, 1)).abs() < 1e-9);
         for motor in 0..2 {
             let others = |c: &thetahat_estimation::control::Controller| c.command(motor, 0.0, 0.3, 0.7, 1.1);
-            assert!((others(&behind) - others(&before)).abs() < 1e-9);
+            assert!((others(&after) - others(&before)).abs() < 1e-9);
         }
     }
 

@@ -13,7 +13,6 @@
 //! assert!(matches!(error, PreparationError::Missing { missing: "[controller]", .. }));
 //! ```
 
-mod bandwidth;
 mod consistent_set;
 mod error;
 mod filtered;
@@ -46,11 +45,11 @@ pub use physical::PriorOptions;
 pub(crate) use physical::known_in_words;
 #[doc(hidden)]
 pub use physical::{Axis, KnownQuantity, PriorKind, PriorWeight, ValueOrRange, WeightRule};
-pub(crate) use problem::{Problem, SelectedParameters, full_model_test, named_elimination};
+pub(crate) use problem::Problem;
 pub(crate) use proposed_controller::{ProposedController, is_iv, propose_controller};
 #[doc(hidden)]
 pub use recording::Recording;
-pub(crate) use reference::RecordedReference;
+pub(crate) use reference::{FoundPeriod, RecordedReference};
 #[doc(hidden)]
 pub use reference_correction::ReferenceCorrection;
 pub use settings::{

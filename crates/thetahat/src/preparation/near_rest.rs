@@ -14,7 +14,7 @@ const SCALES: f64 = 4.0;
 /// Standard deviations of the velocity's noise: it changes the sign of one sample in 700.
 const DEVIATIONS: f64 = 3.0;
 
-/// What counts as near rest in a window of recorded positions, `q` behind the position filter; none where every sample makes
+/// What counts as near rest in a window of recorded positions, `q` after the position filter; none if every sample makes
 /// rows.
 ///
 /// A joint is near rest below four velocity scales of the simulator's smooth sign, and below three standard deviations of its

@@ -19,12 +19,12 @@ use thetahat_model::{
 pub struct Payload {
     /// Its name, by which recordings name it.
     pub name: String,
-    /// The joint behind whose link it is fixed; none means the last.
+    /// The joint to whose link it is fixed; none means the last.
     pub joint: Option<String>,
     /// The frame to which its quantities refer, in the frame of the link.
     #[serde(default)]
     pub frame: PayloadFrame,
-    /// Its mass, kg; none where it is to be estimated.
+    /// Its mass, kg; none if it is to be estimated.
     pub mass_kg: Option<f64>,
     /// Its centre of mass in its frame, m.
     #[serde(default)]
@@ -55,7 +55,7 @@ impl Payload {
         self.mass_kg.is_some()
     }
 
-    /// Its ten inertial parameters in its frame and about the frame's origin, in the order of [`INERTIAL`]; none where it
+    /// Its ten inertial parameters in its frame and about the frame's origin, in the order of [`INERTIAL`]; none if it
     /// is to be estimated.
     #[must_use]
     pub fn parameters(&self) -> Option<[f64; 10]> {

@@ -130,7 +130,7 @@ pub enum WeightRule {
     CrossValidation,
 }
 
-/// Weight that keeps the estimate finite and is less than what noise does: a standard deviation of a hundredfold.
+/// Weight that keeps the estimate finite and is a weak prior: standard deviation 100 times the parameter.
 const SMALL: f64 = 1e-3;
 
 impl Default for PriorWeight {
@@ -210,7 +210,7 @@ impl ValueOrRange {
 }
 
 impl KnownQuantity {
-    /// As a report tells it.
+    /// As a report states it.
     fn in_words(&self) -> String {
         match self {
             Self::TotalMass { kg } => format!("total mass {} kg", kg.in_words()),
@@ -240,7 +240,7 @@ impl Axis {
     }
 }
 
-/// What is fixed or known, as a report tells it.
+/// What is fixed or known, as a report states it.
 pub(crate) fn known_in_words(fix: &BTreeMap<String, f64>, known: &[KnownQuantity]) -> Vec<String> {
     let fixed = fix.iter().map(|(name, value)| format!("{name} = {value} (fixed)"));
     fixed.chain(known.iter().map(KnownQuantity::in_words)).collect()
@@ -258,7 +258,7 @@ pub(super) fn all_known<'a>(
     fixed.chain(known)
 }
 
-/// Refuses values of parameters and links that the robot does not have, and values that no robot can have together.
+/// Refuses values of parameters and links that the robot does not have, and values that are physically impossible together.
 pub(super) fn validate_known(
     robot: &Robot,
     fix: &BTreeMap<String, f64>,

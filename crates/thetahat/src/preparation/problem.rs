@@ -13,7 +13,6 @@ use thetahat_estimation::{
     identification::{Assembly, Elimination, Fit, RowMask, eliminate, idim_ls, nested_f_test},
     regression::{Regression, RowLayout},
     signal::{Decimator, SignalError},
-    simulation::SimulatedMotion,
     statistics::FTest,
 };
 use thetahat_ground::series::Series;
@@ -22,7 +21,6 @@ use thetahat_model::{
     consistency::{ConsistencyError, ConsistentSet},
     dynamics::Model,
 };
-use thetahat_report::results::{EliminationResult, RunPlots};
 
 /// The regression of one friction model.
 pub(crate) struct Problem {
@@ -34,7 +32,7 @@ pub(crate) struct Problem {
     pub(crate) elimination: Option<Elimination>,
     /// The parallel filter of each recording.
     pub(crate) decimators: Vec<Decimator>,
-    /// The samples of each recording that make no rows because a joint is near rest; none where all make rows.
+    /// The samples of each recording that make no rows because a joint is near rest; none if all make rows.
     pub(crate) masks: Vec<Option<Arc<RowMask>>>,
     /// The rows without weights.
     pub(crate) regression: Regression,
@@ -45,11 +43,11 @@ pub(crate) struct Problem {
 }
 
 /// Which base parameters are estimated.
-pub(crate) struct SelectedParameters {
-    pub(crate) estimated: BaseParameters,
+struct SelectedParameters {
+    estimated: BaseParameters,
     /// Their columns among those of the base.
-    pub(crate) columns: Vec<usize>,
-    pub(crate) elimination: Option<Elimination>,
+    columns: Vec<usize>,
+    elimination: Option<Elimination>,
 }
 
 impl Setup<'_> {
@@ -90,11 +88,21 @@ impl Setup<'_> {
             vectors.push(assembly.measurement_vector(&recording.centred_torque())?);
         }
         let (x, y) = (layout.stack_matrices(matrices), layout.stack_vectors(vectors));
-        let all = Regression::new(x, y, layout);
+        let problem = self.problem_of_rows(Basis { model, base }, Regression::new(x, y, layout), choice)?;
+        Ok(Problem { decimators, masks, ..problem })
+    }
+
+    /// The problem of rows with all columns of a base, for the parameters chosen from it.
+    pub(crate) fn problem_of_rows(
+        &self,
+        Basis { model, base }: Basis,
+        all: Regression,
+        choice: &ParameterChoice,
+    ) -> Result<Problem, PreparationError> {
         let SelectedParameters { estimated, columns, elimination } = self.choose(choice, (&model, &base), &all)?;
         let (regression, full) =
             if columns.len() == base.len() { (all, None) } else { (all.with_columns(&columns), Some(all)) };
-        let consistent_set = OnceLock::new();
+        let (decimators, masks, consistent_set) = (Vec::new(), Vec::new(), OnceLock::new());
         Ok(Problem { model, base, estimated, elimination, decimators, masks, regression, full, consistent_set })
     }
 
@@ -125,7 +133,7 @@ impl Setup<'_> {
     }
 
     /// Chooses parameters from the regression of all base parameters.
-    pub(crate) fn choose(
+    fn choose(
         &self,
         choice: &ParameterChoice,
         (model, base): (&Model, &BaseParameters),
@@ -160,6 +168,13 @@ impl Problem {
         self.full.as_ref().unwrap_or(&self.regression)
     }
 
+    /// The columns of the estimated parameters among those of the base.
+    pub(crate) fn estimated_columns(&self) -> Vec<usize> {
+        let columns = self.base.columns();
+        let place = |p: &BaseParameter| columns.iter().position(|&c| c == p.kept);
+        self.estimated.parameters().iter().filter_map(place).collect()
+    }
+
     /// The assembly of one recording.
     pub(crate) fn assembly(&self, recording: usize) -> Assembly<'_> {
         self.assembly_of(recording, &self.model, &self.estimated.columns())
@@ -178,24 +193,9 @@ impl Problem {
         (0..self.model.coordinate_count()).map(|j| of_recording(j).collect()).collect()
     }
 
-    /// Curves of a prediction.
-    pub(crate) fn plots(&self, prediction: &[f64], simulated: &[SimulatedMotion]) -> RunPlots {
-        let positions: Vec<&Series> = simulated.iter().map(|m| &m.q).collect();
-        RunPlots {
-            predicted: self.regression.layout.by_joint(prediction),
-            simulated_position: if positions.is_empty() { Vec::new() } else { self.at_rows(&positions) },
-            ..RunPlots::default()
-        }
-    }
-
     /// The F-test of a fit of the estimated parameters against all base parameters by least squares, where they are fewer.
     pub(crate) fn full_model_test(&self, fit: &Fit) -> Option<FTest> {
         full_model_test(self.full.as_ref()?, fit)
-    }
-
-    /// What is told of the elimination.
-    pub(crate) fn elimination_result(&self) -> Option<EliminationResult> {
-        self.elimination.as_ref().map(|e| named_elimination(e, &self.base))
     }
 }
 
@@ -218,16 +218,6 @@ fn with_shares(
 }
 
 /// The F-test of a fit against least squares with all columns.
-pub(crate) fn full_model_test(full: &Regression, fit: &Fit) -> Option<FTest> {
+fn full_model_test(full: &Regression, fit: &Fit) -> Option<FTest> {
     nested_f_test(full, fit, &idim_ls(full, Default::default()).ok()?)
-}
-
-/// An elimination with the names of base parameters.
-pub(crate) fn named_elimination(elimination: &Elimination, base: &BaseParameters) -> EliminationResult {
-    let names = |columns: &[usize]| columns.iter().map(|&c| base.parameters()[c].name.clone()).collect();
-    EliminationResult {
-        kept: names(&elimination.kept),
-        eliminated: names(&elimination.eliminated),
-        f_test: elimination.f_test,
-    }
 }

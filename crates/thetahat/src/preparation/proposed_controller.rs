@@ -11,11 +11,11 @@ use thetahat_ground::{
     series::Series,
 };
 
-/// Bandwidth where nothing tells one.
+/// Bandwidth if nothing shows one.
 const USUAL_HZ: f64 = 10.0;
 /// Lowest bandwidth that is proposed: a slower loop loses the motion.
 const LOWEST_HZ: f64 = 3.0;
-/// Bandwidth from which on a lag is too short to tell one: the reference is followed with feed-forward.
+/// Bandwidth from which on a lag is too short to show one: the reference is followed with feed-forward.
 const HIGHEST_HZ: f64 = 40.0;
 /// Part of a joint's deviation from its reference that a lag must explain.
 const EXPLAINED: f64 = 0.5;
@@ -24,7 +24,7 @@ const EXPLAINED: f64 = 0.5;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ProposedController {
     pub(crate) description: ControllerDescription,
-    /// What is told of it.
+    /// What is reported of it.
     pub(crate) what: String,
 }
 
@@ -41,7 +41,7 @@ pub(crate) fn is_iv(method: &Method) -> bool {
     method.needs() == Needs::Instruments && method.design() == DesignMatrix::Measured
 }
 
-/// A PD loop around each motor: one that lags as the recorded motion lags behind its recorded reference, else one of 10 Hz with
+/// A PD loop around each motor: one that lags as the recorded motion lags after its recorded reference, else one of 10 Hz with
 /// feed-forward.
 pub(crate) fn propose_controller(recordings: &[&FilteredRecording]) -> ProposedController {
     match bandwidth_hz(recordings) {
@@ -66,7 +66,7 @@ pub(crate) fn propose_controller(recordings: &[&FilteredRecording]) -> ProposedC
     }
 }
 
-/// The median bandwidth over joints and recordings; none where no joint lags behind a recorded reference as a critically
+/// The median bandwidth over joints and recordings; none if no joint lags after a recorded reference as a critically
 /// damped second order does.
 fn bandwidth_hz(recordings: &[&FilteredRecording]) -> Option<f64> {
     let of_recording = |f: &&FilteredRecording| {
@@ -80,7 +80,7 @@ fn bandwidth_hz(recordings: &[&FilteredRecording]) -> Option<f64> {
 }
 
 /// The bandwidth in Hz of `r - q = 2/w dq + 1/w^2 ddq`, critically damped, from the velocity's coefficient by least squares
-/// beside the acceleration, friction and a constant.
+/// in addition to the acceleration, friction and a constant.
 fn lag_of_joint(filtered: &FilteredRecording, reference: &Series, j: usize) -> Option<f64> {
     let at = |series: &Series, k: usize| series.sample(k)[j];
     let motion = &filtered.motion;
@@ -106,7 +106,7 @@ mod tests {
     use crate::preparation::Recording;
     use thetahat_estimation::signal::Motion;
 
-    /// A motion behind `sin(omega t)` as a critically damped loop of `hz` leaves it: its answer is exact.
+    /// A motion after `sin(omega t)` as a critically damped loop of `hz` leaves it: its answer is exact.
     fn lagging(hz: f64) -> FilteredRecording {
         let (omega, w, rate) = (3.0_f64, std::f64::consts::TAU * hz, 200.0);
         let (size, late) = (w * w / (w * w + omega * omega), 2.0 * (omega / w).atan());
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lag_tells_the_bandwidth_and_none_gives_the_usual_one() {
+    fn a_lag_gives_the_bandwidth_and_none_gives_the_usual_one() {
         let proposed = propose_controller(&[&lagging(8.0)]);
         assert!((proposed.description.bandwidth_hz[0] - 8.0).abs() < 1e-6, "{:?}", proposed.description);
         assert_eq!(proposed.description.velocity_feed_forward, 0.0);

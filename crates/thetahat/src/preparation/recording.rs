@@ -12,13 +12,13 @@ use thetahat_ground::series::Series;
 pub struct Recording {
     /// Its name in tables and messages; empty takes its number.
     pub name: String,
-    /// Weight of its rows beside those of other recordings.
+    /// Weight of its rows relative to those of other recordings.
     pub weight: f64,
     /// Samples per second.
     pub sample_rate_hz: f64,
     /// The times as they were recorded, s.
     pub time_stamps_s: Option<Vec<f64>>,
-    /// How the record was brought to equal steps, where it had none.
+    /// How the recording was brought to equal steps, where it had none.
     pub resampling: Option<Resampling>,
     /// Samples that were not recorded, in ranges that rise: the series go on smoothly there. Their rows are left out of the
     /// regression, with those that a filter made of them.
@@ -38,7 +38,7 @@ pub struct Recording {
     pub velocity: Option<Series>,
     /// The reference of the positions.
     pub reference: Option<Series>,
-    /// A signal that was added to the drive signals of the motors behind the controller; the torques include it.
+    /// A signal that was added to the drive signals of the motors after the controller; the torques include it.
     pub added_signal: Option<Series>,
     /// Other channels by name, as the robot's torque terms take them, such as temperatures: one channel, or one for each
     /// coordinate.
@@ -47,9 +47,9 @@ pub struct Recording {
     pub geared: bool,
     /// The payload of the settings that the robot carries, by its name.
     pub payload: Option<String>,
-    /// The moves of a simulated record.
+    /// The moves of a simulated recording.
     pub planned: Option<Moves>,
-    /// The true standard parameters of a simulated record.
+    /// The true standard parameters of a simulated recording.
     pub truth: Option<Vec<f64>>,
 }
 

@@ -1,6 +1,5 @@
 use super::{error::PreparationError, filtered::FilteredRecording, recording::Recording, setup::Setup};
 use thetahat_estimation::simulation::{Reference, SampledReference};
-use thetahat_report::results::{PeriodicResult, ReferenceResult};
 
 /// The reference that a recording's simulations follow, and where it comes from.
 #[derive(Debug, Clone)]
@@ -9,9 +8,23 @@ pub(crate) struct RecordedReference {
     /// `recorded`, `planned`, `reconstructed`, `periodic` or `filtered`.
     pub(crate) origin: &'static str,
     /// The period found.
-    pub(crate) periodic: Option<PeriodicResult>,
+    pub(crate) periodic: Option<FoundPeriod>,
     /// Cut-off with which the motion was smoothed, Hz, where the reference is made of it.
     pub(crate) smoothing_cutoff_hz: Option<f64>,
+}
+
+/// A Fourier series that was fitted to a recorded motion.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct FoundPeriod {
+    pub(crate) base_frequency_hz: f64,
+    /// The base frequency among them.
+    pub(crate) harmonics: usize,
+    /// Of the polynomial; zero where the motion does not drift.
+    pub(crate) degree: usize,
+    /// Periods from which it was fitted.
+    pub(crate) periods: f64,
+    /// Start and end of the stretch in which the motion repeats, s.
+    pub(crate) stretch_s: [f64; 2],
 }
 
 impl Setup<'_> {
@@ -32,21 +45,6 @@ impl Setup<'_> {
 impl RecordedReference {
     pub(super) fn new(reference: Reference, origin: &'static str) -> Self {
         Self { reference, origin, periodic: None, smoothing_cutoff_hz: None }
-    }
-
-    /// What is told of the reference of a recording.
-    pub(crate) fn describe(&self, filtered: &FilteredRecording) -> ReferenceResult {
-        let moves = match &self.reference {
-            Reference::Moves(moves) => Some(moves.moves().len()),
-            Reference::Sampled(_) | Reference::Periodic(_) => None,
-        };
-        ReferenceResult {
-            origin: self.origin.to_owned(),
-            moves,
-            periodic: self.periodic,
-            smoothing_cutoff_hz: self.smoothing_cutoff_hz,
-            rms_deviation: self.rms_deviation(filtered),
-        }
     }
 
     /// Rms deviation, per joint, of the recorded positions from the reference in the window, rad or m.

@@ -6,7 +6,7 @@ use super::{
     error::PreparationError,
     filtered::{MOVING, STILL, window_of},
     recording::Recording,
-    reference::RecordedReference,
+    reference::{FoundPeriod, RecordedReference},
     setup::Setup,
 };
 use thetahat_estimation::{
@@ -15,7 +15,6 @@ use thetahat_estimation::{
     trajectory::{FourierSeries, LowPass, Moves, Periodic, find_periodic, reconstruct},
 };
 use thetahat_ground::series::Series;
-use thetahat_report::results::PeriodicResult;
 
 /// Rms deviation of a joint's motion from reconstructed moves, relative to that from its mean, beyond which the motion is not
 /// made of moves.
@@ -66,10 +65,10 @@ fn of_moves(moves: &Moves) -> RecordedReference {
     RecordedReference::new(Reference::Moves(moves.clone()), "reconstructed")
 }
 
-/// The series where the motion repeats, and the smoothed motion before and behind.
+/// The series where the motion repeats, and the smoothed motion before and after.
 fn of_periodic(periodic: Periodic, smoothed: Smoothed, rate: f64) -> RecordedReference {
     let Periodic { series, stretch_s, periods } = periodic;
-    let found = PeriodicResult {
+    let found = FoundPeriod {
         base_frequency_hz: series.base_frequency_hz(),
         harmonics: series.harmonics(),
         degree: series.degree(),

@@ -11,10 +11,9 @@ use thetahat_estimation::{
     control::ControllerDescription,
     identification::{Convergence, Divisor, EliminationRule, IterationOptions, Method, Weighting},
     signal::{Decimator, Derivative, SignalError},
-    simulation::{SimulatorBias, Solver},
+    simulation::{NOMINAL, SimulatorBias, Solver},
 };
 use thetahat_model::robot::Friction;
-use thetahat_report::results::{Filter, NOMINAL};
 
 /// How a robot is identified from its recordings. Its form as data is that of an experiment file's tables of these names.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -33,7 +32,7 @@ pub struct Settings {
     /// The simulator's options.
     #[serde(default)]
     pub simulation: SimulationOptions,
-    /// Cases beside the nominal one.
+    /// Cases in addition to the nominal one.
     #[serde(default, rename = "case")]
     pub cases: Vec<Case>,
     /// Payloads that recordings may carry.
@@ -121,11 +120,11 @@ pub struct SignalOptions {
     pub filter_order: usize,
     /// Its cut-off.
     pub cutoff_hz: f64,
-    /// Every how many samples one is kept, behind the parallel filter.
+    /// Every how many samples one is kept, after the parallel filter.
     pub decimation: usize,
     /// Start of the window, s. Without start and end, the window is the moving part less the edges of the filter.
     pub window_start_s: Option<f64>,
-    /// End of the window, s; with a start alone, the end of the record.
+    /// End of the window, s; with a start alone, the end of the recording.
     pub window_end_s: Option<f64>,
     /// How positions are differentiated.
     #[serde(default)]
@@ -140,7 +139,7 @@ pub struct SignalOptions {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(untagged, expecting = "expected \"near-rest\", \"none\" or { velocity, widened_s }")]
 pub enum Mask {
-    /// `"near-rest"`, whose limits follow from the record and the simulator, or `"none"`.
+    /// `"near-rest"`, whose limits follow from the recording and the simulator, or `"none"`.
     Named(NamedMask),
     /// The same limits for all joints.
     Stated(StatedMask),
@@ -204,7 +203,7 @@ impl SignalOptions {
         }
     }
 
-    /// The decimation of a window of so many samples: of records that are zero beyond their ends, unless every sample makes rows.
+    /// The decimation of a window of so many samples: of recordings that are zero beyond their ends, unless every sample makes rows.
     pub(crate) fn decimator(&self, samples: usize) -> Result<Decimator, SignalError> {
         let decimator = Decimator::new(self.decimation, samples)?;
         Ok(match self.mask {
@@ -224,7 +223,7 @@ pub struct ParameterSelection {
     pub exclude: Vec<String>,
     /// Parameters that the tables show; none means all.
     pub show: Vec<String>,
-    /// Whether every estimate gets a physically consistent one beside it.
+    /// Whether every estimate gets a physically consistent one in addition.
     pub physical: bool,
     /// Standard parameters at a value, SI: their torques are taken off the recorded ones, and they are not estimated.
     pub fix: BTreeMap<String, f64>,
@@ -277,13 +276,13 @@ pub enum NamedChoice {
 pub struct EstimationOptions {
     /// The methods, in the order of the tables.
     pub methods: Vec<Method>,
-    /// Weighting by method; none where a method is not listed.
+    /// Weighting by method; none if a method is not listed.
     pub weighting: BTreeMap<Method, Weighting>,
     /// Start values of the iterations.
     pub start: Start,
     /// Gains of a controller that is given by its bandwidth.
     pub gains: Gains,
-    /// What CLIE and CLOE estimate of the loop beside the parameters; gains stay those of the start values then.
+    /// What CLIE and CLOE estimate of the loop in addition to the parameters; gains stay those of the start values then.
     pub loop_parameters: Vec<LoopParameter>,
     /// Whether laws of torque terms are compared, for the user to accept.
     pub compare_terms: bool,
@@ -356,7 +355,7 @@ impl Default for SimulationOptions {
     }
 }
 
-/// A case beside the nominal one.
+/// A case other than the nominal one.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {

@@ -17,7 +17,7 @@ pub(crate) struct Setup<'a> {
     pub(crate) settings: &'a Settings,
 }
 
-/// The model of one friction model with its base parameters: what the problems of all records share.
+/// The model of one friction model with its base parameters: what the problems of all recordings share.
 #[derive(Debug, Clone)]
 pub(crate) struct Basis {
     pub(crate) model: Model,

@@ -1,13 +1,13 @@
 use super::{
-    factors::{Segment, coarsened},
+    factors::{JointRows, KeptRows, Segment, coarsened},
     identity::Identity,
-    value::Reduction,
+    value::{Reduction, most_segments},
 };
 use thetahat_estimation::regression::{BlockKey, Regression, RowLayout};
 use thetahat_ground::linear_algebra::Matrix;
 
-/// The regression whose rows are the factors of a reduction. X, Z and y were projected on the same orthonormal columns,
-/// so estimates, residual sums and covariances are the same as from all rows.
+/// The regression of a reduction. Where its rows are triangular factors, X, Z and y were projected on the same orthonormal
+/// columns, so that estimates, residual sums and covariances are the same as from all rows.
 pub(super) struct Compressed {
     /// y, and X with all base columns.
     pub regression: Regression,
@@ -18,23 +18,57 @@ pub(super) struct Compressed {
 impl Compressed {
     /// With one factor for each joint and recording.
     pub(super) fn whole(reduction: &Reduction) -> Self {
-        let whole = |segments: &[Segment]| coarsened(segments.to_vec(), 1);
-        let segments: Vec<Vec<Segment>> = reduction.recordings.iter().map(|r| whole(&r.segments)).collect();
-        Self::of(&reduction.identity, &segments.iter().map(|s| &s[..]).collect::<Vec<_>>())
+        Self::with_segments(reduction, 1)
     }
 
-    /// With every segment by itself.
-    pub(super) fn in_segments(reduction: &Reduction) -> Self {
-        let segments: Vec<&[Segment]> = reduction.recordings.iter().map(|r| &r.segments[..]).collect();
-        Self::of(&reduction.identity, &segments)
+    /// With the rows of every recording in the order of an identification, where all are kept; else with the factors of the
+    /// segments of each.
+    pub(super) fn of(reduction: &Reduction) -> Self {
+        let all_rows = |kept: &KeptRows| match kept {
+            KeptRows::All(rows) => Some(rows.clone()),
+            KeptRows::Factors(_) => None,
+        };
+        match reduction.recordings.iter().map(|r| all_rows(&r.kept)).collect::<Option<Vec<JointRows>>>() {
+            Some(recordings) => Self::of_rows(&reduction.identity, &recordings),
+            None => Self::with_segments(reduction, most_segments(reduction.recordings.len())),
+        }
     }
 
-    fn of(identity: &Identity, recordings: &[&[Segment]]) -> Self {
+    fn with_segments(reduction: &Reduction, most: usize) -> Self {
+        let coarse = |kept: &KeptRows| coarsened(kept.segments().into_owned(), most);
+        let segments: Vec<Vec<Segment>> = reduction.recordings.iter().map(|r| coarse(&r.kept)).collect();
+        Self::of_segments(&reduction.identity, &segments)
+    }
+
+    fn of_rows(identity: &Identity, recordings: &[JointRows]) -> Self {
+        let (mut measured, mut instruments, mut y) = (Vec::new(), Vec::new(), Vec::new());
+        let rows: Vec<usize> = recordings.iter().map(|r| r.rows.first().map_or(0, Matrix::rows)).collect();
+        let layout = RowLayout::new(identity.joints.len(), &rows);
+        let mut shares = Vec::with_capacity(layout.len());
+        for (joint, acting) in identity.acting.iter().enumerate() {
+            for recording in recordings {
+                let factor = Factor { matrix: &recording.rows[joint], acting };
+                instruments.extend(factor.z(identity.parameters.len()));
+                measured.push(factor.x(identity.parameters.len()));
+                y.extend_from_slice(factor.y());
+                match &recording.shares {
+                    Some(of_joints) => shares.extend_from_slice(&of_joints[joint]),
+                    None => shares.resize(y.len(), 1.0),
+                }
+            }
+        }
+        let is_masked = recordings.iter().any(|r| r.shares.is_some());
+        let layout = layout.with_shares(is_masked.then_some(shares));
+        let z = (instruments.len() == measured.len()).then(|| stacked(&instruments));
+        Self { regression: Regression::new(stacked(&measured), y, layout), z }
+    }
+
+    fn of_segments(identity: &Identity, recordings: &[Vec<Segment>]) -> Self {
         let (mut measured, mut instruments, mut y) = (Vec::new(), Vec::new(), Vec::new());
         let mut layout = RowLayout::empty(identity.joints.len(), recordings.len());
         let (mut represented, mut stretch) = (vec![0.0; identity.joints.len()], 0);
         for (recording, segments) in recordings.iter().enumerate() {
-            for segment in *segments {
+            for segment in segments {
                 for (joint, factor) in segment.factors.iter().enumerate() {
                     let factor = Factor { matrix: factor, acting: &identity.acting[joint] };
                     instruments.extend(factor.z(identity.parameters.len()));
@@ -46,11 +80,13 @@ impl Compressed {
                 stretch += 1;
             }
         }
-        let stack = |parts: &[Matrix]| Matrix::stack(&parts.iter().collect::<Vec<_>>());
-        let z = (instruments.len() == measured.len()).then(|| stack(&instruments));
-        let regression = Regression { represented, ..Regression::new(stack(&measured), y, layout) };
-        Self { regression, z }
+        let z = (instruments.len() == measured.len()).then(|| stacked(&instruments));
+        Self { regression: Regression::of_factors(stacked(&measured), y, layout, represented), z }
     }
+}
+
+fn stacked(parts: &[Matrix]) -> Matrix {
+    Matrix::stack(&parts.iter().collect::<Vec<_>>())
 }
 
 /// The factor of `[X y]`, or of `[Z X y]`, of one joint.

@@ -4,6 +4,28 @@ use crate::experiment::ExperimentError;
 use thetahat_estimation::{identification::EstimationError, simulation::SimulationError};
 use thetahat_report::results::ResultsError;
 
+/// The part of a recording that another one holds as well.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SharedSpan {
+    /// The recording's name.
+    pub recording: String,
+    /// The file of its positions; empty for a twin.
+    pub file: String,
+    /// From and to, s.
+    pub span_s: [f64; 2],
+}
+
+impl SharedSpan {
+    fn named(&self) -> String {
+        if self.file.is_empty() { self.recording.clone() } else { format!("{} ({})", self.recording, self.file) }
+    }
+
+    fn span(&self) -> String {
+        let [start, end] = self.span_s;
+        format!("{start:.4} to {end:.4} s")
+    }
+}
+
 /// Why there is no reduction, or no estimate from it.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -14,10 +36,10 @@ pub enum ReductionError {
     /// The results that give the estimates cannot be read.
     #[error(transparent)]
     Results(#[from] ResultsError),
-    /// A record has time steps that are not equal.
+    /// A recording has time steps that are not equal.
     #[error(
         "recording {recording}: the step to sample {sample} is {found:e} s, expected {expected:e} s within a thousandth; \
-         a long record is not brought to equal steps: export it at equal steps, or identify from the whole record"
+         a long recording is not brought to equal steps: export it at equal steps, or identify from the whole recording"
     )]
     UnequalSteps {
         /// The recording.
@@ -29,10 +51,10 @@ pub enum ReductionError {
         /// The step found, s.
         found: f64,
     },
-    /// A record has gaps.
+    /// A recording has gaps.
     #[error(
-        "recording {recording}: {gaps} gaps, the first at sample {sample}; a reduction takes records without gaps: cut the record \
-         there, or identify from the whole record"
+        "recording {recording}: {gaps} gaps, the first at sample {sample}; a reduction takes recordings without gaps: cut the recording \
+         there, or identify from the whole recording"
     )]
     Gaps {
         /// The recording.
@@ -69,6 +91,21 @@ pub enum ReductionError {
         /// Its other name.
         other: String,
     },
+    /// Two recordings share samples.
+    #[error(
+        "recordings {} and {} share samples: {} of the one are {} of the other, and their rows would count twice; give them \
+         windows that do not overlap (window_start_s, window_end_s in [[recording]]), or leave one out",
+        first.named(),
+        other.named(),
+        first.span(),
+        other.span()
+    )]
+    Overlap {
+        /// Of the first recording.
+        first: SharedSpan,
+        /// Of the other.
+        other: SharedSpan,
+    },
     /// Two files do not go together.
     #[error("{}, {}: {source}", first.display(), other.display())]
     Apart {
@@ -79,10 +116,10 @@ pub enum ReductionError {
         /// Why.
         source: Box<ReductionError>,
     },
-    /// A long record has no reference that can be read in pieces.
+    /// A long recording has no reference that can be read in pieces.
     #[error(
-        "recording {recording}: instruments for a long record follow its recorded reference: name it as `reference`, or \
-         identify from the whole record"
+        "recording {recording}: instruments for a long recording follow its recorded reference: name it as `reference`, or \
+         identify from the whole recording"
     )]
     NoReference {
         /// The recording.
@@ -137,14 +174,18 @@ pub enum ReductionError {
         reason: String,
     },
     /// The file is of another version of its form.
-    #[error("{}: a reduction of form {found}, this program reads forms up to {newest}; reduce the recordings again", path.display())]
+    #[error(
+        "{}: a reduction of form {found}, this program reads form {form} alone, which holds the findings of the checks and the \
+         marks of samples that two recordings may share; reduce the recordings again",
+        path.display()
+    )]
     Version {
         /// The file.
         path: PathBuf,
         /// The form of the file.
         found: String,
-        /// The newest form that is read.
-        newest: u32,
+        /// The form that is read.
+        form: u32,
     },
     /// The file cannot be read.
     #[error("{}: cannot be read: {source}", path.display())]

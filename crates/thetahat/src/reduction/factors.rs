@@ -1,9 +1,82 @@
+use std::{borrow::Cow, ops::Range};
+
 use thetahat_estimation::{identification::share_of_row, signal::Decimator};
 use thetahat_ground::{linear_algebra::Matrix, series::Series};
+
+/// Numbers of a recording's rows up to which all rows are kept: of more, triangular factors.
+const MOST_NUMBERS: usize = 1 << 21;
 
 /// Segments of one recording, of which none is shorter than [`SHORTEST`] rows where there are several.
 pub(super) const MOST_SEGMENTS: usize = 32;
 const SHORTEST: usize = 16;
+
+/// What is kept of the rows of a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub enum KeptRows {
+    /// Every row of a short recording.
+    All(JointRows),
+    /// The triangular factors of a longer one, stretch by stretch of time.
+    Factors(Vec<Segment>),
+}
+
+/// The rows of each joint of a recording in time order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointRows {
+    /// `[X y]` of each joint, with instruments `[Z X y]`: a column for each base parameter that acts on the joint, and one
+    /// for y.
+    pub rows: Vec<Matrix>,
+    /// The part of each row of each joint that a mask leaves; none without a mask.
+    pub shares: Option<Vec<Vec<f64>>>,
+}
+
+impl KeptRows {
+    /// The same of a mask that leaves every sample.
+    pub(super) fn without_mask(self) -> Self {
+        match self {
+            Self::All(rows) => Self::All(JointRows { shares: None, ..rows }),
+            Self::Factors(segments) => Self::Factors(segments),
+        }
+    }
+
+    /// The triangular factors, stretch by stretch.
+    #[must_use]
+    pub fn segments(&self) -> Cow<'_, [Segment]> {
+        match self {
+            Self::All(rows) => Cow::Owned(rows.segments()),
+            Self::Factors(segments) => Cow::Borrowed(segments),
+        }
+    }
+}
+
+impl JointRows {
+    fn segments(&self) -> Vec<Segment> {
+        let rows = self.rows.first().map_or(0, Matrix::rows);
+        let length = rows_of_segment(rows);
+        let starts = (0..rows).step_by(length);
+        starts.map(|start| self.segment(start..(start + length).min(rows))).collect()
+    }
+
+    fn segment(&self, range: Range<usize>) -> Segment {
+        let squares = |shares: &Vec<f64>| shares[range.clone()].iter().map(|s| s * s).sum();
+        Segment {
+            rows: range.len(),
+            counted: match &self.shares {
+                Some(shares) => shares.iter().map(squares).collect(),
+                None => vec![range.len() as f64; self.rows.len()],
+            },
+            factors: self.rows.iter().map(|rows| rows.row_range(range.clone()).triangular_factor()).collect(),
+        }
+    }
+}
+
+/// Rows of each segment but the last.
+fn rows_of_segment(rows: usize) -> usize {
+    let mut length = SHORTEST;
+    while rows.div_ceil(length) > MOST_SEGMENTS {
+        length *= 2;
+    }
+    length
+}
 
 /// A stretch of time of one recording: for each joint the upper triangular factor of its rows of `[X y]`.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,18 +120,87 @@ pub(super) fn coarsened(mut segments: Vec<Segment>, most: usize) -> Vec<Segment>
 pub(super) struct JointColumns {
     /// For each joint: the channel of each base parameter that acts on it, and last the channel of its torque.
     pub channels: Vec<Vec<usize>>,
-    /// The channel of the first joint's mask, before those of the others; none where every sample makes rows.
+    /// The channel of the first joint's mask, before those of the others; none if every sample makes rows.
     pub mask: Option<usize>,
 }
 
 impl JointColumns {
-    /// What a joint's row counts: the square of the part of it that the mask leaves.
-    fn counted(&self, row: &[f64], joint: usize, decimator: &Decimator) -> f64 {
-        self.mask.map_or(1.0, |first| share_of_row(row[first + joint], decimator).powi(2))
+    /// The part of a joint's row that the mask leaves.
+    fn share(&self, row: &[f64], joint: usize, decimator: &Decimator) -> f64 {
+        self.mask.map_or(1.0, |first| share_of_row(row[first + joint], decimator))
+    }
+
+    /// Numbers of one row of all joints.
+    fn numbers(&self) -> usize {
+        self.channels.iter().map(Vec::len).sum()
     }
 }
 
-/// Takes the rows of a recording as they come and keeps their factors.
+/// Takes the rows of a recording as they come.
+pub(super) enum RowCollector<'a> {
+    All(RowStore<'a>),
+    Factors(Accumulator<'a>),
+}
+
+impl<'a> RowCollector<'a> {
+    /// For the rows that a decimator leaves of a recording.
+    pub(super) fn new(columns: JointColumns, decimator: &'a Decimator) -> Self {
+        if decimator.rows() * columns.numbers() > MOST_NUMBERS {
+            return Self::Factors(Accumulator::new(columns, decimator));
+        }
+        let none = vec![Vec::new(); columns.channels.len()];
+        Self::All(RowStore { columns, decimator, values: none.clone(), shares: none })
+    }
+
+    /// Takes rows: for each, all channels.
+    pub(super) fn take(&mut self, rows: &Series) {
+        match self {
+            Self::All(store) => store.take(rows),
+            Self::Factors(accumulator) => accumulator.take(rows),
+        }
+    }
+
+    pub(super) fn finish(self) -> KeptRows {
+        match self {
+            Self::All(store) => KeptRows::All(store.finish()),
+            Self::Factors(accumulator) => KeptRows::Factors(accumulator.finish()),
+        }
+    }
+}
+
+/// Keeps every row.
+pub(super) struct RowStore<'a> {
+    columns: JointColumns,
+    decimator: &'a Decimator,
+    /// The rows of each joint, one after the other.
+    values: Vec<Vec<f64>>,
+    shares: Vec<Vec<f64>>,
+}
+
+impl RowStore<'_> {
+    fn take(&mut self, rows: &Series) {
+        let Self { columns, decimator, values, shares } = self;
+        for row in (0..rows.len()).map(|k| rows.sample(k)) {
+            for (joint, channels) in columns.channels.iter().enumerate() {
+                values[joint].extend(channels.iter().map(|c| row[*c]));
+                shares[joint].push(columns.share(row, joint, decimator));
+            }
+        }
+    }
+
+    fn finish(self) -> JointRows {
+        let matrix = |(values, channels): (&Vec<f64>, &Vec<usize>)| {
+            let n = channels.len();
+            Matrix::from_fn(values.len() / n, n, |i, j| values[i * n + j])
+        };
+        JointRows {
+            rows: self.values.iter().zip(&self.columns.channels).map(matrix).collect(),
+            shares: self.columns.mask.map(|_| self.shares),
+        }
+    }
+}
+
+/// Keeps the factors of the rows.
 pub(super) struct Accumulator<'a> {
     columns: JointColumns,
     /// What the rows were decimated by.
@@ -70,12 +212,9 @@ pub(super) struct Accumulator<'a> {
 }
 
 impl<'a> Accumulator<'a> {
-    /// For a recording's rows behind its decimator. The length of the segments follows from their number.
+    /// For a recording's rows after its decimator. The length of the segments follows from their number.
     pub(super) fn new(columns: JointColumns, decimator: &'a Decimator) -> Self {
-        let mut length = SHORTEST;
-        while decimator.rows().div_ceil(length) > MOST_SEGMENTS {
-            length *= 2;
-        }
+        let length = rows_of_segment(decimator.rows());
         let current = Self::empty(&columns);
         Self { columns, decimator, rows: length, current, finished: Vec::new() }
     }
@@ -96,7 +235,7 @@ impl<'a> Accumulator<'a> {
             }
             for (joint, counted) in self.current.counted.iter_mut().enumerate() {
                 *counted += (first..first + count)
-                    .map(|k| self.columns.counted(rows.sample(k), joint, self.decimator))
+                    .map(|k| self.columns.share(rows.sample(k), joint, self.decimator).powi(2))
                     .sum::<f64>();
             }
             self.current.rows += count;

@@ -1,7 +1,8 @@
-//! The file of a reduction: a line that names its form, a line of JSON, of each segment the counted rows and the upper
-//! triangles of the factors of all joints as doubles in little-endian order, and a checksum.
+//! The file of a reduction: a line that names its form, a line of JSON, numbers as doubles in little-endian order, and a
+//! checksum. The numbers are of each recording the rows of each joint, row by row, with the parts of them that a mask leaves;
+//! or where they were too many of each segment the counted rows and the upper triangles of the factors of all joints.
 //!
-//! Form 1 has no counted rows: there every sample makes rows.
+//! Forms 1 and 2 had neither findings of the checks nor marks of samples.
 
 use std::{
     io::{self, Read},
@@ -10,15 +11,19 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
-use super::{Identity, ReducedRecording, Reduction, ReductionError, Segment, fingerprint::scrambled};
+use super::{
+    Identity, JointRows, KeptRows, ReducedRecording, Reduction, ReductionError, Segment,
+    fingerprint::scrambled,
+    overlap::Marks,
+    value::{ComparedRecordings, RecordingFolds},
+};
+use thetahat_estimation::checks::Finding;
 use thetahat_ground::{files, linear_algebra::Matrix, output::replace_file};
 use thetahat_report::results::NearRestResult;
 
 const MAGIC: &[u8] = b"thetahat reduction ";
-/// The form that is written.
-const FORM: u32 = 2;
-/// The form without counted rows, which is read as well.
-const UNCOUNTED: u32 = 1;
+/// The form that is written and read.
+const FORM: u32 = 3;
 const CHECKSUM: usize = 8;
 
 #[derive(Serialize, Deserialize)]
@@ -29,23 +34,40 @@ struct Header {
     robot_description: String,
     instruments: Option<Vec<f64>>,
     recordings: Vec<RecordingHeader>,
+    compared: Vec<ComparedRecordings>,
+}
+
+/// How the rows of a recording stand in the file.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum KeptHeader {
+    All {
+        rows: usize,
+        is_masked: bool,
+    },
+    /// With the rows of each joint in each segment.
+    Factors {
+        segment_rows: Vec<usize>,
+    },
 }
 
 #[derive(Serialize, Deserialize)]
 struct RecordingHeader {
     name: String,
+    file: String,
     weight: f64,
     fingerprint: String,
+    marks: Marks,
     samples: usize,
     sample_rate_hz: f64,
     window_s: [f64; 2],
-    #[serde(default)]
     torque_hold_s: f64,
-    #[serde(default)]
     near_rest: Option<NearRestResult>,
     truth: Option<Vec<f64>>,
-    /// Rows of each joint in each segment.
-    segment_rows: Vec<usize>,
+    findings: Vec<Finding>,
+    examined_parts: usize,
+    folds: Option<RecordingFolds>,
+    kept: KeptHeader,
 }
 
 impl Reduction {
@@ -75,15 +97,20 @@ impl Reduction {
     pub fn to_bytes(&self) -> Result<Vec<u8>, serde_json::Error> {
         let recording = |r: &ReducedRecording| RecordingHeader {
             name: r.name.clone(),
+            file: r.file.clone(),
             weight: r.weight,
             fingerprint: r.fingerprint.clone(),
+            marks: r.marks.clone(),
             samples: r.samples,
             sample_rate_hz: r.sample_rate_hz,
             window_s: r.window_s,
             torque_hold_s: r.torque_hold_s,
             near_rest: r.near_rest.clone(),
             truth: r.truth.clone(),
-            segment_rows: r.segments.iter().map(|s| s.rows).collect(),
+            findings: r.findings.clone(),
+            examined_parts: r.examined_parts,
+            folds: r.folds.clone(),
+            kept: KeptHeader::of(&r.kept),
         };
         let header = Header {
             identity: self.identity.clone(),
@@ -92,17 +119,14 @@ impl Reduction {
             robot_description: self.robot_description.clone(),
             instruments: self.instruments.clone(),
             recordings: self.recordings.iter().map(recording).collect(),
+            compared: self.compared.clone(),
         };
         let mut bytes = MAGIC.to_vec();
         bytes.extend(format!("{FORM}\n").bytes());
         serde_json::to_writer(&mut bytes, &header)?;
         bytes.push(b'\n');
-        for segment in self.recordings.iter().flat_map(|r| &r.segments) {
-            segment.counted.iter().for_each(|counted| bytes.extend(counted.to_le_bytes()));
-            for factor in &segment.factors {
-                upper(factor.rows(), factor.columns()).for_each(|(i, j)| bytes.extend(factor.at(i, j).to_le_bytes()));
-            }
-        }
+        let mut write = |value: f64| bytes.extend(value.to_le_bytes());
+        self.recordings.iter().for_each(|recording| recording.kept.write(&mut write));
         let sum = checksum(&bytes);
         bytes.extend(sum.to_le_bytes());
         Ok(bytes)
@@ -116,10 +140,10 @@ impl Reduction {
         let damaged = |reason: &str| ReductionError::Damaged { path: path.to_owned(), reason: reason.to_owned() };
         let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| damaged("it does not begin as one does"))?;
         let (form, rest) = line(rest).ok_or_else(|| damaged("it ends in its first line"))?;
-        let Some(form) = [FORM, UNCOUNTED].into_iter().find(|known| form == known.to_string().as_bytes()) else {
+        if form != FORM.to_string().as_bytes() {
             let found = String::from_utf8_lossy(&form[..form.len().min(20)]).into_owned();
-            return Err(ReductionError::Version { path: path.to_owned(), found, newest: FORM });
-        };
+            return Err(ReductionError::Version { path: path.to_owned(), found, form: FORM });
+        }
         let Some((content, sum)) = bytes.split_last_chunk::<CHECKSUM>() else { return Err(damaged("it is cut short")) };
         if checksum(content) != u64::from_le_bytes(*sum) {
             return Err(damaged("its checksum is not that of its content"));
@@ -128,9 +152,7 @@ impl Reduction {
         let header: Header = serde_json::from_slice(header).map_err(|e| damaged(&e.to_string()))?;
         header.identity.check().ok_or_else(|| damaged("its description contradicts itself"))?;
         let values = &rest[..rest.len() - CHECKSUM];
-        header
-            .with_values(values, form != UNCOUNTED)
-            .ok_or_else(|| damaged("it holds more or fewer values than it says"))
+        header.with_values(values).ok_or_else(|| damaged("it holds more or fewer values than it says"))
     }
 }
 
@@ -146,39 +168,37 @@ impl Identity {
 
 impl Header {
     /// The reduction, if there are as many values as it says.
-    fn with_values(self, bytes: &[u8], is_counted: bool) -> Option<Reduction> {
+    fn with_values(self, bytes: &[u8]) -> Option<Reduction> {
         let parameters = self.identity.parameters.len();
         if self.instruments.as_ref().is_some_and(|theta| theta.len() != parameters) {
             return None;
         }
         let matrices = if self.instruments.is_some() { 2 } else { 1 };
-        let sizes: Vec<usize> = self.identity.acting.iter().map(|acting| matrices * acting.len() + 1).collect();
-        let counts = if is_counted { sizes.len() } else { 0 };
-        let of_segment = |rows: &usize| total(sizes.iter().map(|&n| upper_count((*rows).min(n), n)).chain([counts]));
-        let segments = self.recordings.iter().flat_map(|r| &r.segment_rows);
-        let needed = segments.map(of_segment).try_fold(0_usize, |sum, count| sum.checked_add(count?))?;
-        if bytes.len() != needed.checked_mul(8)? || self.recordings.iter().any(|r| total_rows(r).is_none()) {
+        let columns: Vec<usize> = self.identity.acting.iter().map(|acting| matrices * acting.len() + 1).collect();
+        let needed = total_of(self.recordings.iter().map(|r| r.kept.values(&columns)))?;
+        if bytes.len() != needed.checked_mul(8)? || !self.recordings.iter().all(RecordingHeader::has_folds_of_its_rows)
+        {
             return None;
         }
         let mut values = bytes.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes));
         let mut next = || values.next().unwrap_or(0.0);
-        let mut segment = |rows: usize| Segment {
-            rows,
-            counted: sizes.iter().map(|_| if is_counted { next() } else { rows as f64 }).collect(),
-            factors: sizes.iter().map(|columns| triangle(rows, *columns, &mut next)).collect(),
-        };
         let recordings = self.recordings.into_iter().map(|r| ReducedRecording {
-            rows: total_rows(&r).unwrap_or_default(),
-            segments: r.segment_rows.iter().map(|rows| segment(*rows)).collect(),
+            rows: r.kept.rows().unwrap_or_default(),
+            kept: r.kept.read(&columns, &mut next),
             name: r.name,
+            file: r.file,
             weight: r.weight,
             fingerprint: r.fingerprint,
+            marks: r.marks,
             samples: r.samples,
             sample_rate_hz: r.sample_rate_hz,
             window_s: r.window_s,
             torque_hold_s: r.torque_hold_s,
             near_rest: r.near_rest,
             truth: r.truth,
+            findings: r.findings,
+            examined_parts: r.examined_parts,
+            folds: r.folds,
         });
         Some(Reduction {
             recordings: recordings.collect(),
@@ -187,7 +207,95 @@ impl Header {
             experiment_description: self.experiment_description,
             robot_description: self.robot_description,
             instruments: self.instruments,
+            compared: self.compared,
         })
+    }
+}
+
+impl RecordingHeader {
+    /// Whether its folds, where it has any, are one for each row and have names.
+    fn has_folds_of_its_rows(&self) -> bool {
+        let fits = |folds: &RecordingFolds| {
+            Some(folds.of_row.len()) == self.kept.rows() && folds.of_row.iter().all(|fold| *fold < folds.names.len())
+        };
+        self.folds.as_ref().is_none_or(fits)
+    }
+}
+
+impl KeptRows {
+    fn write(&self, write: &mut impl FnMut(f64)) {
+        match self {
+            Self::All(JointRows { rows, shares }) => {
+                rows.iter()
+                    .for_each(|matrix| all(matrix.rows(), matrix.columns()).for_each(|(i, j)| write(matrix.at(i, j))));
+                shares.iter().flatten().flatten().for_each(|share| write(*share));
+            }
+            Self::Factors(segments) => {
+                for segment in segments {
+                    segment.counted.iter().for_each(|counted| write(*counted));
+                    for factor in &segment.factors {
+                        upper(factor.rows(), factor.columns()).for_each(|(i, j)| write(factor.at(i, j)));
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl KeptHeader {
+    fn of(kept: &KeptRows) -> Self {
+        match kept {
+            KeptRows::All(JointRows { rows, shares }) => {
+                Self::All { rows: rows.first().map_or(0, Matrix::rows), is_masked: shares.is_some() }
+            }
+            KeptRows::Factors(segments) => Self::Factors { segment_rows: segments.iter().map(|s| s.rows).collect() },
+        }
+    }
+
+    /// Rows of each joint; none if they are more than can be counted.
+    fn rows(&self) -> Option<usize> {
+        match self {
+            Self::All { rows, .. } => Some(*rows),
+            Self::Factors { segment_rows } => total_of(segment_rows.iter().map(|rows| Some(*rows))),
+        }
+    }
+
+    /// How many values stand in the file, of joints with so many columns.
+    fn values(&self, columns: &[usize]) -> Option<usize> {
+        match self {
+            Self::All { rows, is_masked } => {
+                let of_joint = |n: &usize| rows.checked_mul(n + usize::from(*is_masked));
+                total_of(columns.iter().map(of_joint))
+            }
+            Self::Factors { segment_rows } => {
+                self.rows()?;
+                let of_joints = |rows: usize| columns.iter().map(move |&n| Some(upper_count(rows.min(n), n)));
+                let of_segment = |rows: &usize| total_of(of_joints(*rows).chain([Some(columns.len())]));
+                total_of(segment_rows.iter().map(of_segment))
+            }
+        }
+    }
+
+    fn read(&self, columns: &[usize], next: &mut impl FnMut() -> f64) -> KeptRows {
+        match self {
+            Self::All { rows, is_masked } => {
+                let matrices = columns.iter().map(|n| matrix((*rows, *n), all(*rows, *n), next)).collect();
+                let mut of_joint = || (0..*rows).map(|_| next()).collect::<Vec<f64>>();
+                let shares = is_masked.then(|| columns.iter().map(|_| of_joint()).collect());
+                KeptRows::All(JointRows { rows: matrices, shares })
+            }
+            Self::Factors { segment_rows } => {
+                let mut segment = |rows: &usize| Segment {
+                    rows: *rows,
+                    counted: columns.iter().map(|_| next()).collect(),
+                    factors: columns
+                        .iter()
+                        .map(|n| matrix(((*rows).min(*n), *n), upper((*rows).min(*n), *n), next))
+                        .collect(),
+                };
+                KeptRows::Factors(segment_rows.iter().map(&mut segment).collect())
+            }
+        }
     }
 }
 
@@ -202,7 +310,7 @@ fn content(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The bytes up to a line's end, and those behind it.
+/// The bytes up to a line's end, and those after it.
 fn line(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let end = memchr::memchr(b'\n', bytes)?;
     Some((&bytes[..end], &bytes[end + 1..]))
@@ -213,19 +321,25 @@ fn upper(rows: usize, columns: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..rows).flat_map(move |i| (i..columns).map(move |j| (i, j)))
 }
 
-/// The upper triangle of so many rows, or of as many as columns, of values one by one.
-fn triangle(rows: usize, columns: usize, next: &mut impl FnMut() -> f64) -> Matrix {
-    let mut triangle = Matrix::zeros(rows.min(columns), columns);
-    upper(rows.min(columns), columns).for_each(|(i, j)| *triangle.at_mut(i, j) = next());
-    triangle
+/// All places, row by row.
+fn all(rows: usize, columns: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..rows).flat_map(move |i| (0..columns).map(move |j| (i, j)))
 }
 
-fn total_rows(recording: &RecordingHeader) -> Option<usize> {
-    total(recording.segment_rows.iter().copied())
+/// A matrix of a size with values one by one at given places, else zeros.
+fn matrix(
+    (rows, columns): (usize, usize),
+    places: impl Iterator<Item = (usize, usize)>,
+    next: &mut impl FnMut() -> f64,
+) -> Matrix {
+    let mut matrix = Matrix::zeros(rows, columns);
+    places.for_each(|(i, j)| *matrix.at_mut(i, j) = next());
+    matrix
 }
 
-fn total(counts: impl IntoIterator<Item = usize>) -> Option<usize> {
-    counts.into_iter().try_fold(0_usize, usize::checked_add)
+/// The sum of counts; none if one is none, or they are more than can be counted.
+fn total_of(counts: impl IntoIterator<Item = Option<usize>>) -> Option<usize> {
+    counts.into_iter().try_fold(0_usize, |sum, count| sum.checked_add(count?))
 }
 
 fn upper_count(rows: usize, columns: usize) -> usize {

@@ -1,7 +1,7 @@
 /// A fingerprint of the values of a recording, by which it is known again whatever its file is called.
 ///
 /// A sum of scrambled words times powers of an odd number modulo 2^64, so that parts can be put together: equal for every
-/// way to cut the record into parts.
+/// way to cut the recording into parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Fingerprint {
     hash: u64,
@@ -21,7 +21,7 @@ impl Fingerprint {
         }
     }
 
-    /// This one with another behind it.
+    /// This one followed by another.
     pub(super) fn followed_by(self, next: Self) -> Self {
         let hash = self.hash.wrapping_mul(next.power).wrapping_add(next.hash);
         Self { hash, power: self.power.wrapping_mul(next.power) }

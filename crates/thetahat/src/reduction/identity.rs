@@ -21,8 +21,9 @@ pub struct Identity {
     /// Their regrouping formulas, which hold the geometry.
     pub expressions: Vec<String>,
     /// The joints that are locked, with their values.
-    #[serde(default)]
     pub locked: Vec<String>,
+    /// The standard parameters at a given value.
+    pub fixed: Vec<String>,
     /// For each joint the base parameters, from zero, that act on it.
     pub acting: Vec<Vec<usize>>,
     /// Order of the position filter.
@@ -31,11 +32,9 @@ pub struct Identity {
     pub cutoff_hz: f64,
     /// Every how many samples a row was kept.
     pub decimation: usize,
-    /// How positions were differentiated; a file of form 1 does not say.
-    #[serde(default = "not_stated")]
+    /// How positions were differentiated.
     pub derivative: String,
-    /// Which samples near rest make no rows; a file of form 1 has rows of all.
-    #[serde(default = "every_sample")]
+    /// Which samples near rest make no rows.
     pub mask: String,
 }
 
@@ -46,6 +45,7 @@ impl Identity {
         let joints: Vec<String> = experiment.robot.coordinates().map(|j| j.name.clone()).collect();
         Self {
             robot: experiment.robot.name.clone(),
+            fixed: fixed_in_words(&experiment.settings),
             acting: acting(joints.len(), regressor),
             joints,
             locked: locked_in_words(&experiment.robot),
@@ -75,6 +75,7 @@ impl Identity {
             ("the list of joints", list(&self.joints), list(&other.joints)),
             ("the locked joints", list(&self.locked), list(&other.locked)),
             ("the list of base parameters", list(&self.parameters), list(&other.parameters)),
+            ("the parameters at a given value ([parameters] fix)", list(&self.fixed), list(&other.fixed)),
             ("the position filter's order", self.filter_order.to_string(), other.filter_order.to_string()),
             ("the position filter's cut-off in Hz", self.cutoff_hz.to_string(), other.cutoff_hz.to_string()),
             ("the decimation", self.decimation.to_string(), other.decimation.to_string()),
@@ -116,16 +117,16 @@ fn acting(joints: usize, regressor: &Regressor) -> Vec<Vec<usize>> {
     (0..joints).map(of_joint).collect()
 }
 
-fn not_stated() -> String {
-    "not stated".to_owned()
-}
-
 fn every_sample() -> String {
     Mask::Named(NamedMask::None).to_string()
 }
 
 pub(super) fn unlike(what: &'static str, first: &dyn ToString, other: &dyn ToString) -> ReductionError {
     ReductionError::Unlike { what, first: first.to_string(), other: other.to_string() }
+}
+
+fn fixed_in_words(settings: &Settings) -> Vec<String> {
+    settings.parameters.fix.iter().map(|(name, value)| format!("{name} {value}")).collect()
 }
 
 fn locked_in_words(robot: &Robot) -> Vec<String> {

@@ -1,9 +1,6 @@
-//! What recordings at hand tell, for the design of the next one.
-
-use std::path::Path;
+//! The information of recordings, as prior information for the design of the next one.
 
 use super::{ReductionError, compressed::Compressed, value::Reduction};
-use crate::experiment::Experiment;
 use thetahat_ground::linear_algebra::Matrix;
 
 impl Reduction {
@@ -13,8 +10,7 @@ impl Reduction {
     /// # Errors
     /// [`ReductionError`] where the experiment in the reduction cannot be used.
     pub fn information(&self, noise: &[f64]) -> Result<Matrix, ReductionError> {
-        let (text, robot) = (self.experiment_description.clone(), self.robot_description.clone());
-        let experiment = Experiment::from_texts(Path::new(&self.experiment_name), text, robot)?;
+        let experiment = self.experiment()?;
         let samples = experiment.settings.signal.decimation as f64;
         let regression = Compressed::whole(self).regression;
         let mut weights = vec![0.0; regression.y.len()];

@@ -1,4 +1,4 @@
-//! The simulated motion from which instruments are computed, in pieces where the record comes in pieces.
+//! The simulated motion from which instruments are computed, in pieces where the recording comes in pieces.
 
 use std::ops::Range;
 
@@ -22,7 +22,7 @@ use thetahat_model::{
 /// Time that a piece is simulated before its first sample: the loop starts at rest on its reference, and must have forgotten
 /// that.
 const WARM_UP_S: f64 = 2.0;
-/// Times along the record at which the inertia seen by the motors is averaged, as a simulation of the whole record does.
+/// Times along the recording at which the inertia seen by the motors is averaged, as a simulation of the whole recording does.
 const INERTIA_SAMPLES: usize = 50;
 /// How far two pieces may be apart where they meet, in tolerances of the integration.
 const SEAM: f64 = 30.0;
@@ -40,14 +40,14 @@ pub(super) struct Simulated<'a> {
     inertia: Vec<f64>,
     /// Samples that the position filter looks back and ahead.
     reach: usize,
-    /// The motion in the window, where the record is in memory.
+    /// The motion in the window, where the recording is in memory.
     whole: Option<(usize, SimulatedPiece)>,
 }
 
 /// The simulated motion of a piece.
 pub(super) struct SimulatedPiece {
     pub motion: Motion,
-    /// Positions at the sample behind the last, where there is one.
+    /// Positions at the sample after the last, where there is one.
     pub next: Option<Vec<f64>>,
 }
 
@@ -60,7 +60,7 @@ impl<'a> Simulated<'a> {
         theta: &[f64],
         (reach, window): (usize, &Range<usize>),
     ) -> Result<Self, ReductionError> {
-        // A record that comes in pieces is not there to tell a bandwidth.
+        // A recording that comes in pieces is not in memory to show a bandwidth.
         let controller = experiment.settings.controller.clone();
         let controller = controller.unwrap_or_else(|| propose_controller(&[]).description);
         let (theta, inertia) = (base.to_standard(theta), Vec::new());
@@ -86,12 +86,12 @@ impl<'a> Simulated<'a> {
     }
 
     /// The part of a step over which its rows are centred: that for which the recorded torques hold. A motion that is filtered
-    /// as the record is has accelerations that are centred already.
+    /// as the recording is has accelerations that are centred already.
     pub(super) fn held_part_of_step(&self) -> f64 {
         if self.experiment.settings.simulation.band_pass { 0.0 } else { self.source.held_part_of_step() }
     }
 
-    /// The motion in a range of samples of the record.
+    /// The motion in a range of samples of the recording.
     pub(super) fn motion(&self, range: &Range<usize>) -> Result<SimulatedPiece, ReductionError> {
         if let Some((start, whole)) = &self.whole {
             let motion = cut(&whole.motion, range.start - start..range.end - start);
@@ -140,7 +140,7 @@ impl<'a> Simulated<'a> {
         }
     }
 
-    /// The reference of a record in memory: recorded, planned, or reconstructed.
+    /// The reference of a recording in memory: recorded, planned, or reconstructed.
     fn reference_in_memory(&self) -> Result<Option<Reference>, ReductionError> {
         let Some(recording) = self.source.recording() else { return Ok(None) };
         let reference = self.experiment.setup().reference(recording);
@@ -194,7 +194,7 @@ impl<'a> Simulated<'a> {
         Ok(SimulatedPiece { motion: cut(&Motion { q, dq, ddq }, 0..range.len()), next })
     }
 
-    /// The inertia that each motor sees, averaged along the record.
+    /// The inertia that each motor sees, averaged along the recording.
     fn mean_inertia(&self, theta: &[f64]) -> Result<Vec<f64>, ReductionError> {
         let mut values = Vec::new();
         for k in 0..INERTIA_SAMPLES {

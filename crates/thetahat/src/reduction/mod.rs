@@ -14,7 +14,7 @@
 //! | file | what it does |
 //! | --- | --- |
 //! | `source` | a recording of which any part can be had, on the joint side |
-//! | `pieces` | its pieces, and what their positions tell |
+//! | `pieces` | its pieces, and what their positions show |
 //! | `survey` | what must be known before rows are made: the window, and what counts as near rest |
 //! | `near_rest` | which samples of a piece make no rows |
 //! | `rows` | one piece on its way to rows |
@@ -26,7 +26,7 @@
 //! | `identity` | what must agree between reductions that are merged |
 //! | `compressed`, `solve` | the factors as a regression, its estimates and results |
 //! | `segments` | intervals from the scores of the stretches of time |
-//! | `information` | what the recordings tell, for the design of the next |
+//! | `information` | the information of recordings, for the design of the next |
 //! | `estimates` | estimates of a `results.json`, for instruments |
 //!
 //! `docs/manual/long_recordings.md` says how pieces are kept equal to the whole, and what is refused.
@@ -44,6 +44,7 @@
 mod compressed;
 mod error;
 mod estimates;
+mod examined;
 mod factors;
 mod file;
 mod fingerprint;
@@ -51,22 +52,27 @@ mod identity;
 mod information;
 mod instruments;
 mod near_rest;
+mod overlap;
 mod part;
+mod parts;
 mod pieces;
 mod reduce;
 mod rows;
-mod segments;
 mod solve;
 mod source;
 mod survey;
 mod value;
 
-pub use error::ReductionError;
+pub use error::{ReductionError, SharedSpan};
 pub use estimates::estimates_of_results;
 #[doc(hidden)]
-pub use factors::Segment;
+pub use factors::{JointRows, KeptRows, Segment};
 #[doc(hidden)]
 pub use identity::Identity;
+#[doc(hidden)]
+pub use overlap::Marks;
 pub use reduce::{ReduceOptions, ReduceProgress};
-pub use solve::Solution;
+pub use solve::{IntervalSource, Solution};
+#[doc(hidden)]
+pub use value::{ComparedRecordings, RecordingFolds};
 pub use value::{ReducedRecording, Reduction};

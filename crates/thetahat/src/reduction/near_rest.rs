@@ -36,7 +36,7 @@ impl NearRestMask {
     pub(super) fn around(&self, range: &Range<usize>) -> Range<usize> {
         let widened = self.rule.widened;
         let start = range.start.saturating_sub(widened).max(self.window.start);
-        // A sample is near rest, too, where the velocity changes its sign behind it.
+        // A sample is near rest, too, where the velocity changes its sign after it.
         start..(range.end + widened + 1).min(self.window.end)
     }
 
@@ -53,7 +53,7 @@ impl NearRestMask {
         MaskedPiece { used: Series::side_by_side(&channels), left_out }
     }
 
-    /// The mask with which coordinates keep all samples that would lose too many, so many as all pieces left out; none where
+    /// The mask with which coordinates keep all samples that would lose too many, so many as all pieces left out; none if
     /// this one is it.
     pub(super) fn after(&self, left_out: &[usize]) -> Option<Self> {
         let samples = self.window.len();
@@ -62,7 +62,7 @@ impl NearRestMask {
         (keeps_all != self.keeps_all).then(|| Self { keeps_all, ..self.clone() })
     }
 
-    /// What is told of it; none where every sample makes rows.
+    /// What is reported of it; none if every sample makes rows.
     pub(super) fn describe(&self, left_out: &[usize], sample_rate_hz: f64) -> Option<NearRestResult> {
         let percent = |&samples: &usize| 100.0 * samples as f64 / self.window.len() as f64;
         left_out.iter().any(|samples| *samples > 0).then(|| NearRestResult {
@@ -127,11 +127,11 @@ mod tests {
     }
 
     #[test]
-    fn a_mask_that_leaves_nothing_out_is_not_told_of() {
+    fn a_mask_that_leaves_nothing_out_is_not_described() {
         let rule = NearRest { velocity: vec![0.1], widened: 2 };
         let mask = NearRestMask::new(Vec::new(), rule, 0..100);
         assert_eq!(mask.describe(&[0], 100.0), None);
-        let told = mask.describe(&[25], 100.0).unwrap();
-        assert_eq!((told.left_out_percent, told.widened_s), (vec![25.0], 0.02));
+        let described = mask.describe(&[25], 100.0).unwrap();
+        assert_eq!((described.left_out_percent, described.widened_s), (vec![25.0], 0.02));
     }
 }

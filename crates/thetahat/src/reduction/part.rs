@@ -9,7 +9,7 @@ use crate::{
 };
 
 impl Experiment {
-    /// The start and end, s, of what [`Experiment::reduce`] may read of each recording: its stated window, or the whole record without
+    /// The start and end, s, of what [`Experiment::reduce`] may read of each recording: its stated window, or the whole recording without
     /// the edges of the filter; of a twin none, since it is not simulated here.
     ///
     /// Of a text the line ends are counted, of other files the header says the length.
@@ -30,7 +30,7 @@ impl Experiment {
     /// The same experiment with recording `number` alone, from zero, and of that, where it is given, the time from and to, s. It keeps
     /// its text, so that reductions of its parts merge to one that is solved as the whole.
     ///
-    /// A stretch of time is filtered as a part of the whole record, and decimated as a record of its own; the velocity below which its
+    /// A stretch of time is filtered as a part of the whole recording, and decimated as a recording of its own; the velocity below which its
     /// joints are near rest is its own.
     ///
     /// # Errors

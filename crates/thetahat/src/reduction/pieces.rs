@@ -1,4 +1,4 @@
-//! The pieces of a recording, and what their positions tell.
+//! The pieces of a recording, and what their positions show.
 
 use std::ops::Range;
 
@@ -29,7 +29,7 @@ pub(super) struct Pieces<'a> {
     pub samples: usize,
 }
 
-/// What the positions of a piece tell.
+/// What the positions of a piece show.
 pub(super) struct Look {
     /// The largest velocity of each joint.
     pub peaks: Vec<f64>,
@@ -60,7 +60,7 @@ impl<'a> Pieces<'a> {
     }
 
     /// What is read for a range of samples, so that two derivatives of its filtered positions agree with the whole
-    /// record.
+    /// recording.
     pub(super) fn extended(&self, range: &Range<usize>) -> Range<usize> {
         let ahead = self.reach + 2 * self.experiment.settings.signal.derivative.reach();
         range.start.saturating_sub(ahead)..(range.end + ahead).min(self.source.samples)
@@ -78,13 +78,13 @@ impl<'a> Pieces<'a> {
         Ok(dq.window(range.start - extended.start..range.end - extended.start))
     }
 
-    /// The pieces of the whole record.
+    /// The pieces of the whole recording.
     pub(super) fn all(&self) -> Vec<Range<usize>> {
         let starts = (0..self.source.samples).step_by(self.samples);
         starts.map(|start| start..(start + self.samples).min(self.source.samples)).collect()
     }
 
-    /// What the positions in a range of samples tell.
+    /// What the positions in a range of samples show.
     pub(super) fn look(&self, range: &Range<usize>) -> Result<Look, ReductionError> {
         let extended = self.extended(range);
         let position = self.source.position(extended.clone())?;

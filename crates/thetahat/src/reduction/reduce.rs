@@ -2,11 +2,13 @@ use std::{collections::BTreeMap, path::Path};
 
 use super::{
     error::ReductionError,
-    factors::{Accumulator, JointColumns},
+    examined::Examiner,
+    factors::{JointColumns, RowCollector},
     fingerprint::Fingerprint,
     identity::Identity,
     instruments::Simulated,
     near_rest::NearRestMask,
+    overlap::Marks,
     pieces::{Pieces, refuse},
     rows::{Channels, Piece, Rows},
     source::Source,
@@ -74,7 +76,7 @@ impl Experiment {
     /// The same with instruments, for IDIM-IV: the observation matrix of the closed loop simulated with base parameters of
     /// these names; those that are not named are zero.
     ///
-    /// A record that is read in pieces is simulated in pieces along its recorded reference, each from 2 s before it; one
+    /// A recording that is read in pieces is simulated in pieces along its recorded reference, each from 2 s before it; one
     /// that is read whole is simulated as [`Experiment::run`] does.
     ///
     /// # Errors
@@ -92,21 +94,40 @@ impl Experiment {
         }
         let Basis { model, base } = self.setup().basis(&Case::nominal()).map_err(|e| self.refuse(e))?;
         let theta = instruments.map(|named| self.base_values(&model, &base, named)).transpose()?;
+        self.require_stated_terms()?;
         let mut reducer = Reducer::new(self, &model, &base, options);
         reducer.theta = theta;
         let mut reduction = reducer.nothing_yet();
+        let mut examiner = Examiner::new(self, &model, &base)?;
         let recordings = self.file.recording.len().max(1);
         for (i, description) in self.file.recording.iter().enumerate() {
             let source = Source::open(self, description, (i + 1, data), reducer.theta.is_some())?;
-            let mut tell = |done, to_do| progress(ReduceProgress { recording: i + 1, recordings, done, to_do });
-            reduction.add(reducer.recording(&source, Some(description), &mut tell)?)?;
+            let mut report = |done, to_do| progress(ReduceProgress { recording: i + 1, recordings, done, to_do });
+            let reduced = reducer.recording(&source, Some(description), &mut report)?;
+            let examined = examiner.examine(&source, (i + 1, data), &reduced)?;
+            reduction.add(reduced.examined(examined))?;
         }
         if let Some(twin) = &self.file.twin {
             let source = Source::of_recording(self, self.simulate_twin(twin)?);
-            let mut tell = |done, to_do| progress(ReduceProgress { recording: 1, recordings, done, to_do });
-            reduction.add(reducer.recording(&source, None, &mut tell)?)?;
+            let mut report = |done, to_do| progress(ReduceProgress { recording: 1, recordings, done, to_do });
+            let reduced = reducer.recording(&source, None, &mut report)?;
+            let examined = examiner.examine(&source, (1, data), &reduced)?;
+            reduction.add(reduced.examined(examined))?;
         }
+        reduction.compared = examiner.compared(&reduction).into_iter().collect();
         Ok(reduction)
+    }
+
+    /// Refuses torque terms whose constants are searched for.
+    fn require_stated_terms(&self) -> Result<(), ReductionError> {
+        match self.robot.term_descriptions.iter().any(|term| term.is_profiled()) {
+            false => Ok(()),
+            true => {
+                let expected =
+                    "constants that are stated: a reduction does not search for them; an identification does";
+                Err(self.refuse(PreparationError::value("[[term]] profile", expected, true)).into())
+            }
+        }
     }
 
     /// Values of all base parameters from those named.
@@ -125,27 +146,30 @@ impl Experiment {
 /// What the pieces taken so far have given.
 struct Taken<'a> {
     joiner: Joiner<'a>,
-    accumulator: Accumulator<'a>,
+    collector: RowCollector<'a>,
     fingerprint: Fingerprint,
+    marks: Marks,
     /// Largest velocity.
     peak: f64,
     has_torque: bool,
     /// Samples of each coordinate that make no rows.
     left_out: Vec<usize>,
-    /// Simulated positions behind the last sample.
+    /// Simulated positions after the last sample.
     seam: Option<Vec<f64>>,
 }
 
 impl<'a> Taken<'a> {
     fn new(decimator: &'a Decimator, columns: JointColumns) -> Self {
         let (joiner, left_out) = (decimator.joiner(), vec![0; columns.channels.len()]);
-        let (accumulator, fingerprint) = (Accumulator::new(columns, decimator), Fingerprint::EMPTY);
-        Self { joiner, accumulator, fingerprint, peak: 0.0, has_torque: false, left_out, seam: None }
+        let (collector, fingerprint) = (RowCollector::new(columns, decimator), Fingerprint::EMPTY);
+        let marks = Marks::default();
+        Self { joiner, collector, fingerprint, marks, peak: 0.0, has_torque: false, left_out, seam: None }
     }
 
     /// Takes the next piece, which starts at sample `start` of the recording.
     fn take(&mut self, piece: Piece, simulated: Option<&Simulated<'_>>, start: usize) -> Result<(), ReductionError> {
         self.fingerprint = self.fingerprint.followed_by(piece.fingerprint);
+        self.marks.join(piece.marks);
         self.peak = self.peak.max(piece.peak);
         self.has_torque |= piece.has_torque;
         self.left_out.iter_mut().zip(&piece.left_out).for_each(|(sum, samples)| *sum += samples);
@@ -153,7 +177,7 @@ impl<'a> Taken<'a> {
             self.seam.iter().try_for_each(|before| simulated.require_seam(before, &first, start))?;
             self.seam = next;
         }
-        self.joiner.take(piece.decimated).iter().for_each(|rows| self.accumulator.take(rows));
+        self.joiner.take(piece.decimated).iter().for_each(|rows| self.collector.take(rows));
         Ok(())
     }
 
@@ -189,13 +213,13 @@ impl<'a> Reducer<'a> {
         &mut self,
         source: &Source<'_>,
         description: Option<&RecordingDescription>,
-        tell: &mut dyn FnMut(usize, usize),
+        report: &mut dyn FnMut(usize, usize),
     ) -> Result<ReducedRecording, ReductionError> {
         let pieces = Pieces::new(self.experiment, source, self.options.piece_samples)?;
         let own = description.map_or([None, None], |d| [d.window_start_s, d.window_end_s]);
         let signal = self.experiment.settings.signal.in_window(own);
         let jumps = self.jumps();
-        let surveyed = Survey::new(&pieces, self.options.threads, tell).run(&signal, !jumps.is_empty())?;
+        let surveyed = Survey::new(&pieces, self.options.threads, report).run(&signal, !jumps.is_empty())?;
         let Surveyed { window, near_rest, pieces: mut before } = surveyed;
         let decimator = signal.decimator(window.len()).map_err(|e| refuse(self.experiment, e))?;
         let simulated = |theta: &Vec<f64>| {
@@ -213,7 +237,7 @@ impl<'a> Reducer<'a> {
                 simulated: simulated.as_ref(),
                 mask: mask.as_ref(),
             };
-            let taken = self.take_all(&rows, &mut before, tell)?;
+            let taken = self.take_all(&rows, &mut before, report)?;
             match mask.as_ref().and_then(|mask| mask.after(&taken.left_out)) {
                 None => break taken,
                 Some(next) => mask = Some(next),
@@ -221,27 +245,35 @@ impl<'a> Reducer<'a> {
         };
         taken.require_motion_and_torque(self.experiment, &source.name)?;
         let rate = source.sample_rate_hz;
+        let near_rest = mask.as_ref().and_then(|mask| mask.describe(&taken.left_out, rate));
+        let kept = taken.collector.finish();
+        let truth = source.truth.as_ref().filter(|truth| self.base.agrees_with_fixed(truth));
         Ok(ReducedRecording {
             name: source.name.clone(),
+            file: source.file().to_owned(),
             weight: source.weight,
             fingerprint: taken.fingerprint.to_hex(),
+            marks: taken.marks,
             samples: window.len(),
             rows: decimator.rows(),
             sample_rate_hz: rate,
             window_s: [window.start as f64 / rate, window.end as f64 / rate],
             torque_hold_s: source.torque_hold_s,
-            near_rest: mask.as_ref().and_then(|mask| mask.describe(&taken.left_out, rate)),
-            truth: source.truth.as_ref().map(|truth| self.base.from_standard(truth)),
-            segments: taken.accumulator.finish(),
+            kept: if near_rest.is_some() { kept } else { kept.without_mask() },
+            near_rest,
+            truth: truth.map(|truth| self.base.from_standard(truth)),
+            findings: Vec::new(),
+            examined_parts: 0,
+            folds: None,
         })
     }
 
-    /// Takes the rows of all pieces, behind so many pieces that were read before.
+    /// Takes the rows of all pieces, after so many pieces that were read before.
     fn take_all<'r>(
         &self,
         rows: &Rows<'r>,
         before: &mut usize,
-        tell: &mut dyn FnMut(usize, usize),
+        report: &mut dyn FnMut(usize, usize),
     ) -> Result<Taken<'r>, ReductionError> {
         let Rows { pieces, decimator, simulated, .. } = *rows;
         let parts = pieces.parts(decimator, self.experiment.settings.signal.decimation, rows.channels().count());
@@ -250,7 +282,7 @@ impl<'a> Reducer<'a> {
         in_order(parts.len(), self.options.threads, work, |number, piece| {
             let start = rows.window.start + decimator.samples_of(&parts[number]).start;
             taken.take(piece?, simulated, start)?;
-            tell(*before + number + 1, *before + parts.len());
+            report(*before + number + 1, *before + parts.len());
             Ok::<(), ReductionError>(())
         })?;
         *before += parts.len();
@@ -272,6 +304,7 @@ impl<'a> Reducer<'a> {
             robot_description: experiment.robot_text.clone(),
             instruments: self.theta.clone(),
             recordings: Vec::new(),
+            compared: Vec::new(),
         }
     }
 }

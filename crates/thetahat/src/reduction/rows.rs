@@ -7,6 +7,7 @@ use super::{
     fingerprint::Fingerprint,
     instruments::{Simulated, SimulatedPiece},
     near_rest::{MaskedPiece, NearRestMask},
+    overlap::Marks,
     pieces::{Pieces, refuse},
 };
 use thetahat_estimation::signal::{CentredHold, DecimatedPiece, Decimator, Motion, centred_hold};
@@ -25,7 +26,7 @@ pub(super) struct Rows<'a> {
     pub regressor: &'a Regressor,
     /// The simulation of the instruments.
     pub simulated: Option<&'a Simulated<'a>>,
-    /// Which samples make no rows; none where all do.
+    /// Which samples make no rows; none if all do.
     pub mask: Option<&'a NearRestMask>,
 }
 
@@ -33,12 +34,13 @@ pub(super) struct Rows<'a> {
 pub(super) struct Piece {
     pub decimated: DecimatedPiece,
     pub fingerprint: Fingerprint,
+    pub marks: Marks,
     /// Largest velocity.
     pub peak: f64,
     pub has_torque: bool,
     /// Samples of each coordinate that make no rows.
     pub left_out: Vec<usize>,
-    /// Simulated positions at the first sample, and at the one behind the last.
+    /// Simulated positions at the first sample, and at the one after the last.
     pub seam: Option<(Vec<f64>, Option<Vec<f64>>)>,
 }
 
@@ -122,6 +124,7 @@ impl Rows<'_> {
         Ok(Piece {
             decimated: decimated.map_err(|e| refuse(self.pieces.experiment, e))?,
             fingerprint: measured.fingerprint,
+            marks: measured.marks,
             peak: measured.peak,
             has_torque: measured.has_torque,
             left_out: measured.mask.map_or_else(|| vec![0; channels.joints], |mask| mask.left_out),
@@ -139,7 +142,7 @@ impl Rows<'_> {
         let Pieces { source, .. } = *self.pieces;
         let around = self.mask.map_or_else(|| range.clone(), |mask| mask.around(range));
         let extended = self.pieces.extended(&around);
-        let (position, torque) = source.motion(extended.clone())?;
+        let (position, mut torque) = source.motion(extended.clone())?;
         let motion = self.pieces.band_pass(&position)?;
         let in_extended = |range: &Range<usize>| range.start - extended.start..range.end - extended.start;
         let (own, around) = (in_extended(range), in_extended(&around));
@@ -148,12 +151,20 @@ impl Rows<'_> {
             fingerprint.add(position.sample(k));
             fingerprint.add(torque.sample(k));
         }
+        let mut marks = Marks::default();
+        let end = (self.window.end.min(extended.end)) - extended.start;
+        marks.add([&position, &torque], own.clone(), (extended.start, end));
         let largest = |series: &Series| {
             own.clone().flat_map(|k| series.sample(k)).fold(0.0, |largest: f64, v| largest.max(v.abs()))
         };
+        let has_torque = largest(&torque) > 0.0;
+        if let Some(fixed) = self.pieces.experiment.setup().fixed_torque(&motion, None) {
+            torque.values_mut().iter_mut().zip(fixed.values()).for_each(|(torque, fixed)| *torque -= fixed);
+        }
         Ok(Measured {
             peak: largest(&motion.dq),
-            has_torque: largest(&torque) > 0.0,
+            has_torque,
+            marks,
             mask: self.mask.map(|mask| mask.of(range, &motion.dq.window(around))),
             centred_torque: centred_hold(&torque, source.held_part_of_step()),
             motion,
@@ -191,6 +202,7 @@ struct Measured {
     mask: Option<MaskedPiece>,
     /// Of the piece as it was recorded.
     fingerprint: Fingerprint,
+    marks: Marks,
     peak: f64,
     has_torque: bool,
 }

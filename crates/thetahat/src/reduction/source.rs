@@ -14,7 +14,7 @@ use thetahat_ground::series::Series;
 const POSITION: usize = 0;
 const TORQUE: usize = 1;
 
-/// Samples up to which a record is read whole where its steps must be made equal.
+/// Samples up to which a recording is read whole where its steps must be made equal.
 const SHORT: usize = 1 << 20;
 
 /// Stamps that are looked at at a time.
@@ -24,6 +24,7 @@ const STAMPS: usize = 1 << 16;
 pub(super) struct Source<'a> {
     experiment: &'a Experiment,
     pub name: String,
+    file: String,
     pub weight: f64,
     pub samples: usize,
     pub sample_rate_hz: f64,
@@ -60,15 +61,14 @@ impl<'a> Source<'a> {
             let why = "a reduction has no columns of payloads; an identification takes recordings with one";
             return Err(experiment.missing("[recording] without payload", why).into());
         }
-        if !experiment.settings.parameters.fix.is_empty() {
-            let why = "a reduction has no torques of fixed parameters; an identification has";
-            return Err(experiment.missing("[parameters] without fix", why).into());
-        }
         let Some(torque) = &description.torque else {
             let why = "a reduction is of torques; an identification takes positions alone, by CLOE";
             return Err(experiment.missing("[recording] torque", why).into());
         };
         let (sources, places) = sources_of(description, torque, simulated);
+        if sources.iter().any(|source| source.delay_s != 0.0) {
+            return Self::whole(experiment, description, (number, data));
+        }
         let Some(signals) = SignalPieces::open(&sources, data).map_err(ExperimentError::from)? else {
             return Self::whole(experiment, description, (number, data));
         };
@@ -76,6 +76,7 @@ impl<'a> Source<'a> {
         let mut source = Self {
             experiment,
             name: description.name.clone().unwrap_or_else(|| number.to_string()),
+            file: file_of(description),
             weight: description.weight,
             samples: signals.samples(POSITION),
             sample_rate_hz: description.sample_rate_hz.unwrap_or_default(),
@@ -108,7 +109,7 @@ impl<'a> Source<'a> {
     ) -> Result<Self, ReductionError> {
         let recording = experiment.read_recording(description, number, data)?;
         match recording.gaps.first() {
-            None => Ok(Self::of_recording(experiment, recording)),
+            None => Ok(Self { file: file_of(description), ..Self::of_recording(experiment, recording) }),
             Some(first) => {
                 let (gaps, sample) = (recording.gaps.len(), first.start);
                 Err(ReductionError::Gaps { recording: recording.name, gaps, sample })
@@ -116,7 +117,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The record, where it is in memory.
+    /// The recording, where it is in memory.
     pub(super) fn recording(&self) -> Option<&Recording> {
         match &self.values {
             Values::Whole(record) => Some(record),
@@ -124,7 +125,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The recorded reference of the joints, put right where that is asked for, and the added signal in a range of samples, of a record that is read in pieces.
+    /// The recorded reference of the joints, put right where that is asked for, and the added signal in a range of samples, of a recording that is read in pieces.
     pub(super) fn reference(&self, range: Range<usize>) -> Result<(Series, Option<Series>), ReductionError> {
         let missing = || ReductionError::NoReference { recording: self.name.clone() };
         let (Values::Pieces { description, .. }, Some(place)) = (&self.values, self.places.reference) else {
@@ -144,11 +145,45 @@ impl<'a> Source<'a> {
         Ok((cut(&corrected), read.next().map(|added| cut(&added))))
     }
 
-    /// A record that is in memory.
+    /// A part of the recording, with positions and torques alone.
+    pub(super) fn excerpt(&self, range: Range<usize>) -> Result<Recording, ReductionError> {
+        let (position, torque) = self.motion(range)?;
+        let is_geared = |description: &RecordingDescription| {
+            let torque = description.torque.as_ref().map_or(Side::Joint, |torque| torque.side);
+            description.position.side == Side::Motor || torque == Side::Motor
+        };
+        let geared = match &self.values {
+            Values::Whole(record) => record.geared,
+            Values::Pieces { description, .. } => is_geared(description),
+        };
+        Ok(Recording {
+            name: self.name.clone(),
+            weight: self.weight,
+            torque_hold_s: self.torque_hold_s,
+            geared,
+            ..Recording::new(self.sample_rate_hz, position, torque)
+        })
+    }
+
+    /// All of the recording, as an identification reads it.
+    pub(super) fn complete(&self, number: usize, data: &Path) -> Result<Recording, ReductionError> {
+        match &self.values {
+            Values::Whole(record) => Ok(Recording::clone(record)),
+            Values::Pieces { description, .. } => Ok(self.experiment.read_recording(description, number, data)?),
+        }
+    }
+
+    /// The file of its positions; empty for a twin.
+    pub(super) fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// A recording that is in memory.
     pub(super) fn of_recording(experiment: &'a Experiment, recording: Recording) -> Self {
         Self {
             experiment,
             name: recording.name.clone(),
+            file: String::new(),
             weight: recording.weight,
             samples: recording.position.len(),
             sample_rate_hz: recording.sample_rate_hz,
@@ -302,6 +337,10 @@ impl<'a> Source<'a> {
         }
         Ok(())
     }
+}
+
+fn file_of(description: &RecordingDescription) -> String {
+    description.position.file.display().to_string()
 }
 
 /// The signals that are read, and where in their list those are that not every recording has.

@@ -13,7 +13,7 @@ use thetahat_ground::pool::in_order;
 /// What was found.
 pub(super) struct Surveyed {
     pub window: Range<usize>,
-    /// What counts as near rest; none where every sample makes rows.
+    /// What counts as near rest; none if every sample makes rows.
     pub near_rest: Option<NearRest>,
     /// Pieces that were read.
     pub pieces: usize,
@@ -23,20 +23,20 @@ pub(super) struct Surveyed {
 pub(super) struct Survey<'a> {
     pieces: &'a Pieces<'a>,
     threads: usize,
-    /// Told of pieces done, and of pieces to do.
-    tell: &'a mut dyn FnMut(usize, usize),
+    /// Called with the pieces done and the pieces to do.
+    report: &'a mut dyn FnMut(usize, usize),
     /// Pieces that were looked at, by their range of samples.
     looks: BTreeMap<[usize; 2], Look>,
 }
 
 impl<'a> Survey<'a> {
-    pub(super) fn new(pieces: &'a Pieces<'a>, threads: usize, tell: &'a mut dyn FnMut(usize, usize)) -> Self {
-        Self { pieces, threads, tell, looks: BTreeMap::new() }
+    pub(super) fn new(pieces: &'a Pieces<'a>, threads: usize, report: &'a mut dyn FnMut(usize, usize)) -> Self {
+        Self { pieces, threads, report, looks: BTreeMap::new() }
     }
 
     /// The window, and what counts as near rest in it of a robot whose torques jump where velocities change their sign.
     ///
-    /// A window that is not stated and limits that depend on the noise of the positions take a pass over the record: the
+    /// A window that is not stated and limits that depend on the noise of the positions take a pass over the recording: the
     /// limits are those of the whole window, and do not depend on the pieces.
     pub(super) fn run(mut self, signal: &SignalOptions, has_jumps: bool) -> Result<Surveyed, ReductionError> {
         let window = self.window(signal)?;
@@ -95,7 +95,7 @@ impl<'a> Survey<'a> {
     }
 
     fn look_at(&mut self, ranges: Vec<Range<usize>>) -> Result<(), ReductionError> {
-        let (pieces, looks, tell) = (self.pieces, &mut self.looks, &mut self.tell);
+        let (pieces, looks, report) = (self.pieces, &mut self.looks, &mut self.report);
         let to_do = 2 * (looks.len() + ranges.len());
         in_order(
             ranges.len(),
@@ -103,7 +103,7 @@ impl<'a> Survey<'a> {
             |number| pieces.look(&ranges[number]),
             |number, look| {
                 looks.insert(key(&ranges[number]), look?);
-                tell(looks.len(), to_do);
+                report(looks.len(), to_do);
                 Ok(())
             },
         )

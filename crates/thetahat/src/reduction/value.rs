@@ -1,10 +1,15 @@
 use std::path::PathBuf;
 
+use serde::{Deserialize, Serialize};
+
 use super::{
     ReductionError,
-    factors::{MOST_SEGMENTS, Segment, coarsened},
+    error::SharedSpan,
+    factors::{KeptRows, MOST_SEGMENTS, coarsened},
     identity::{Identity, unlike},
+    overlap::Marks,
 };
+use thetahat_estimation::checks::Finding;
 use thetahat_report::results::NearRestResult;
 
 /// Part by which the sample rates of recordings may differ, as in an experiment with several.
@@ -12,9 +17,13 @@ const RATE_TOLERANCE: f64 = 0.01;
 /// Segments of all recordings of a reduction: with more recordings, each keeps fewer.
 const MOST_IN_ALL: usize = 256;
 
-/// Recordings as far as least squares need them: the triangular factors of their rows, and what must be known to solve.
+/// Numbers of the rows of all recordings up to which rows are kept: of more, triangular factors.
+const MOST_NUMBERS: usize = 1 << 22;
+
+/// What an identification needs of recordings: their rows, or triangular factors where they are many, with the findings of
+/// the checks.
 ///
-/// Its size does not depend on the length of the recordings.
+/// Its size is limited, whatever the length of the recordings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reduction {
     /// What must agree.
@@ -29,6 +38,26 @@ pub struct Reduction {
     pub instruments: Option<Vec<f64>>,
     /// The recordings, by fingerprint where reductions were merged.
     pub recordings: Vec<ReducedRecording>,
+    /// What was found in recordings that were compared with one another.
+    pub compared: Vec<ComparedRecordings>,
+}
+
+/// Recordings that were compared with one another, by their fingerprints, and what was found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ComparedRecordings {
+    /// Their fingerprints.
+    pub fingerprints: Vec<String>,
+    /// What was found.
+    pub findings: Vec<Finding>,
+}
+
+/// What is left out in turn of a recording whose rows are kept.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RecordingFolds {
+    /// The fold of each row of a joint.
+    pub of_row: Vec<usize>,
+    /// The name of each fold.
+    pub names: Vec<String>,
 }
 
 /// One recording.
@@ -36,10 +65,14 @@ pub struct Reduction {
 pub struct ReducedRecording {
     /// Its name, or its number.
     pub name: String,
+    /// The file of its positions; empty for a twin.
+    pub file: String,
     /// Weight of its rows.
     pub weight: f64,
     /// By which it is known again: of the positions and torques in the window, 16 hexadecimal digits.
     pub fingerprint: String,
+    /// By which samples are known again that another recording holds as well.
+    pub marks: Marks,
     /// Samples in the window.
     pub samples: usize,
     /// Rows of each joint.
@@ -50,12 +83,18 @@ pub struct ReducedRecording {
     pub window_s: [f64; 2],
     /// Time for which its torques hold, s, over which they were centred; zero where they were measured at their instants.
     pub torque_hold_s: f64,
-    /// Samples near rest that make no rows; none where all make rows.
+    /// Samples near rest that make no rows; none if all make rows.
     pub near_rest: Option<NearRestResult>,
     /// True base parameters, for a twin.
     pub truth: Option<Vec<f64>>,
-    /// Its stretches of time, one after the other.
-    pub segments: Vec<Segment>,
+    /// What the checks found.
+    pub findings: Vec<Finding>,
+    /// Parts in which the checks looked at it, one by one.
+    pub examined_parts: usize,
+    /// What is left out in turn; none if it was not examined as a whole.
+    pub folds: Option<RecordingFolds>,
+    /// Its rows, or their factors.
+    pub kept: KeptRows,
 }
 
 impl Reduction {
@@ -72,6 +111,9 @@ impl Reduction {
         if let Some(same) = self.recordings.iter().find(|r| r.fingerprint == recording.fingerprint) {
             let (first, other) = (same.name.clone(), recording.name.clone());
             return Err(ReductionError::SameRecording { first, other });
+        }
+        if let Some(error) = self.recordings.iter().find_map(|first| first.overlap(recording)) {
+            return Err(error);
         }
         if let Some(first) = self.recordings.first()
             && (recording.sample_rate_hz / first.sample_rate_hz - 1.0).abs() > RATE_TOLERANCE
@@ -101,6 +143,8 @@ impl Reduction {
     pub fn merge(mut self, other: Self) -> Result<Self, ReductionError> {
         self.require_like(&other)?;
         other.recordings.into_iter().try_for_each(|recording| self.add(recording))?;
+        self.compared.extend(other.compared);
+        self.compared.sort_by(|a, b| a.fingerprints.cmp(&b.fingerprints));
         self.recordings.sort_by(|a, b| a.fingerprint.cmp(&b.fingerprint));
         Ok(self)
     }
@@ -134,14 +178,45 @@ impl Reduction {
         Self::merge_all(all)
     }
 
-    /// Keeps the segments of many recordings few: how few follows from the number of recordings alone.
+    /// Keeps factors in the place of rows where all recordings have too many, and few segments of many recordings: how few
+    /// follows from the number of recordings alone.
     fn coarsen(&mut self) {
-        let mut most = MOST_SEGMENTS;
-        while most > 1 && most * self.recordings.len() > MOST_IN_ALL {
-            most /= 2;
-        }
+        let of_row: usize = self.identity.acting.iter().map(|acting| self.matrices() * acting.len() + 1).sum();
+        let are_many = of_row * self.recordings.iter().map(|r| r.rows).sum::<usize>() > MOST_NUMBERS;
+        let most = most_segments(self.recordings.len());
         for recording in &mut self.recordings {
-            recording.segments = coarsened(std::mem::take(&mut recording.segments), most);
+            if are_many || matches!(recording.kept, KeptRows::Factors(_)) {
+                recording.kept = KeptRows::Factors(coarsened(recording.kept.segments().into_owned(), most));
+            }
         }
     }
+
+    /// X, and Z where there are instruments.
+    pub(super) fn matrices(&self) -> usize {
+        if self.instruments.is_some() { 2 } else { 1 }
+    }
+}
+
+impl ReducedRecording {
+    /// The error where another recording holds some of its samples.
+    fn overlap(&self, other: &Self) -> Option<ReductionError> {
+        let shift_s = self.marks.shift_from(&other.marks)? as f64 / self.sample_rate_hz;
+        let start = self.window_s[0].max(other.window_s[0] + shift_s);
+        let end = self.window_s[1].min(other.window_s[1] + shift_s);
+        let span = |recording: &Self, earlier: f64| SharedSpan {
+            recording: recording.name.clone(),
+            file: recording.file.clone(),
+            span_s: [start - earlier, end - earlier],
+        };
+        Some(ReductionError::Overlap { first: span(self, 0.0), other: span(other, shift_s) })
+    }
+}
+
+/// Segments of each of so many recordings.
+pub(super) fn most_segments(recordings: usize) -> usize {
+    let mut most = MOST_SEGMENTS;
+    while most > 1 && most * recordings > MOST_IN_ALL {
+        most /= 2;
+    }
+    most
 }

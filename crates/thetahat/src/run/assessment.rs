@@ -6,6 +6,7 @@ use std::borrow::Cow;
 use super::{
     cross_validation::{CrossValidation, Folds, leave_folds_out},
     curves,
+    estimation_data::EstimationData,
     identification::{Identification, explain},
     linear::Linear,
     no_predictive_power::{Data, no_predictive_power},
@@ -20,7 +21,9 @@ use crate::{
     scheduling::{EstimationJob, Finished},
 };
 use thetahat_estimation::{
-    identification::{Fit, Method, Needs, Outcome, Response, uncertainty},
+    identification::{
+        EstimationError, Fit, Method, Needs, Outcome, Response, Uncertainty, uncertainty, uncertainty_of_stretches,
+    },
     regression::relative_error_percent,
     signal::Motion,
     simulation::SimulatedMotion,
@@ -32,7 +35,7 @@ use thetahat_report::results::{
 
 /// An estimation of a case that is to be assessed.
 pub(super) struct Assessment<'a> {
-    pub(super) identification: &'a Identification,
+    pub(super) data: EstimationData<'a>,
     pub(super) case: &'a Case,
     pub(super) job: &'a EstimationJob<'a>,
 }
@@ -45,7 +48,8 @@ impl Assessment<'_> {
         let mut run = self.summarise(&outcome);
         run.seconds = seconds;
         if method.needs() != Needs::Measurement {
-            run.notes = self.identification.simulation_notes().into_iter().chain(note).collect();
+            let notes = self.data.samples().map(Identification::simulation_notes).unwrap_or_default();
+            run.notes = notes.into_iter().chain(note).collect();
         }
         if let Some(fit) = &outcome.fit {
             if run.case == NOMINAL {
@@ -53,20 +57,22 @@ impl Assessment<'_> {
             }
             run.simulation_relative_error_percent =
                 simulator.as_ref().zip(motions.as_ref()).map(|(s, motions)| s.errors(motions));
-            run.plots = self.plots(fit, motions.as_deref().unwrap_or_default());
-            let setup = self.identification.setup();
-            let folds = self.identification.folds(problem).filter(|_| setup.settings.parameters.physical);
+            if let Some(identification) = self.data.samples() {
+                run.plots = self.plots(identification, fit, motions.as_deref().unwrap_or_default());
+            }
+            let setup = self.data.setup();
+            let folds = self.data.folds(problem).filter(|_| setup.settings.parameters.physical);
             let linear = Linear::of(self.job, &outcome, fit);
             run.physical = Examined { setup, job: self.job, linear: &linear, run: &run, folds }.physical();
-            run.residual = Some(residual(regression, &fit.prediction));
+            run.residual = regression.is_in_time_order.then(|| residual(regression, &fit.prediction));
             if method.response() == Response::Torque {
-                let robot = self.identification.setup().robot;
+                let robot = setup.robot;
                 run.findings.extend(no_predictive_power(robot, regression, &fit.prediction, Data::Own));
             }
             self.leave_parts_out(&outcome, &mut run);
-            if !self.identification.validation.is_empty() {
+            if let Some(identification) = self.data.samples().filter(|i| !i.validation.is_empty()) {
                 run.cross_validation_interval_95_percent = None;
-                self.validate_on_others(fit, &mut run)?;
+                self.validate_on_others(identification, fit, &mut run)?;
             }
         }
         Ok((run, MethodEstimate { method: *method, regression: regression.clone(), outcome }))
@@ -81,9 +87,9 @@ impl Assessment<'_> {
     }
 
     /// The curves of the run.
-    fn plots(&self, fit: &Fit, motions: &[SimulatedMotion]) -> RunPlots {
+    fn plots(&self, identification: &Identification, fit: &Fit, motions: &[SimulatedMotion]) -> RunPlots {
         let problem = self.job.problem;
-        let main = &self.identification.main;
+        let main = &identification.main;
         let at_rows = |of: fn(&Motion) -> &Series| {
             problem.at_rows(&main.iter().map(|p| of(&p.filtered.motion)).collect::<Vec<_>>())
         };
@@ -99,13 +105,13 @@ impl Assessment<'_> {
             residual: residual_curves::residual_curves(&problem.regression, &torque, &motion),
             correlation: correlations.into_iter().take(of_robot).map(|row| row[..of_robot].to_vec()).collect(),
             numbers: curves::numbers(&problem.model, &problem.estimated),
-            a_priori: curves::a_priori(self.identification.setup().robot, &problem.model, &problem.estimated),
-            ..problem.plots(&torque, motions)
+            a_priori: curves::a_priori(self.data.setup().robot, &problem.model, &problem.estimated),
+            ..curves::of_prediction(problem, &torque, motions)
         }
     }
 
     fn decimation(&self) -> f64 {
-        self.identification.setup().settings.signal.decimation as f64
+        self.data.setup().settings.signal.decimation as f64
     }
 
     fn summarise(&self, outcome: &Outcome) -> RunResult {
@@ -119,7 +125,7 @@ impl Assessment<'_> {
         });
         let test = |f| if *method == Method::IDIM_LS { problem.full_model_test(f) } else { None };
         RunResult {
-            weighting: Some(self.identification.setup().settings.weighting(*method)),
+            weighting: Some(self.data.setup().settings.weighting(*method)),
             reason: outcome.reason.as_ref().map(|r| explain(&problem.estimated, &self.job.names_of_loop(), r)),
             iterations: outcome.iterations.len(),
             simulations: outcome.simulations,
@@ -137,18 +143,28 @@ impl Assessment<'_> {
     }
 
     fn parameters(&self, fit: &Fit, outcome: &Outcome) -> Vec<ParameterResult> {
-        let EstimationJob { problem, method, regression, .. } = self.job;
-        let uncertainty = uncertainty(*method, regression, outcome.instruments.as_ref(), fit).ok();
-        let truth = self.identification.truth_of(problem);
-        let settings = self.identification.setup().settings;
+        let problem = self.job.problem;
+        let uncertainty = self.uncertainty(outcome, fit).ok();
+        let truth = self.data.truth_of(problem);
+        let settings = self.data.setup().settings;
         parameter_results(settings, &problem.estimated, fit, uncertainty.as_ref(), truth.as_deref())
     }
 
     fn loop_parameters(&self, fit: &Fit, outcome: &Outcome) -> Vec<LoopParameterResult> {
-        let EstimationJob { problem, method, regression, simulator, .. } = self.job;
+        let EstimationJob { problem, simulator, .. } = self.job;
         let Some(simulator) = simulator.as_ref().filter(|s| !s.loop_parameters().is_empty()) else { return Vec::new() };
-        let uncertainty = uncertainty(*method, regression, outcome.instruments.as_ref(), fit).ok();
+        let uncertainty = self.uncertainty(outcome, fit).ok();
         loop_parameter_results(simulator.loop_parameters(), problem.estimated.len(), fit, uncertainty.as_ref())
+    }
+
+    /// From the correlation of the rows in time, or where they are triangular factors from their stretches of time.
+    fn uncertainty(&self, outcome: &Outcome, fit: &Fit) -> Result<Uncertainty, EstimationError> {
+        let EstimationJob { method, regression, .. } = self.job;
+        let z = outcome.instruments.as_ref();
+        if regression.is_in_time_order {
+            return uncertainty(*method, regression, z, fit);
+        }
+        uncertainty_of_stretches(regression, z, &fit.theta)
     }
 
     /// The estimates of the robot's parameters, without those of the loop.
@@ -159,7 +175,7 @@ impl Assessment<'_> {
     /// Leaves recordings, moves or parts out in turn, and predicts them from the others.
     fn leave_parts_out(&self, outcome: &Outcome, run: &mut RunResult) {
         let EstimationJob { problem, method, regression, .. } = self.job;
-        let Some(folds) = self.identification.folds(problem) else { return };
+        let Some(folds) = self.data.folds(problem) else { return };
         let Some(left_out) = leave_folds_out(regression, *method, outcome, &folds) else { return };
         run.influence = influence(run, &left_out, &folds);
         run.cross_validation_relative_error_percent = Some(left_out.relative_error_percent);
@@ -167,14 +183,18 @@ impl Assessment<'_> {
     }
 
     /// Predicts the recordings that were held back.
-    fn validate_on_others(&self, fit: &Fit, run: &mut RunResult) -> Result<(), PreparationError> {
-        let identification = self.identification;
+    fn validate_on_others(
+        &self,
+        identification: &Identification,
+        fit: &Fit,
+        run: &mut RunResult,
+    ) -> Result<(), PreparationError> {
         let recordings = filtered(&identification.validation);
         let setup = identification.setup();
         let problem = setup.validation_problem(self.case, &recordings, &self.job.problem.estimated)?;
         let regression = &problem.regression;
         let prediction = regression.x.times(self.of_robot(fit));
-        // The error of a run that fits positions is of positions: that of its torques does not belong beside it.
+        // The error of a run that fits positions is of positions: that of its torques does not belong there.
         if !run.is_of_positions() {
             run.cross_validation_relative_error_percent = Some(relative_error_percent(&regression.y, &prediction));
             run.findings.extend(no_predictive_power(setup.robot, regression, &prediction, Data::HeldBack));

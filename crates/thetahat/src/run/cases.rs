@@ -5,8 +5,10 @@ use std::cell::Cell;
 use super::{
     assessment::Assessment,
     curves,
-    examination::{compare, examine, examine_robot, with_note},
+    estimation_data::EstimationData,
+    examination::{ExaminationModel, compare, examine, examine_robot, with_note},
     identification::{CaseProblem, Identification},
+    parameters::elimination_result,
     prepared::{PreparedRecording, filtered},
     uncertain,
 };
@@ -44,7 +46,7 @@ impl Identification {
         self.run_with_progress(&mut |_| {})
     }
 
-    /// The same; `progress` is told what is being done.
+    /// The same; `progress` is called with what is being done.
     ///
     /// # Errors
     /// As [`Identification::run`].
@@ -92,14 +94,14 @@ impl Identification {
         let options = RunOptions { iteration: estimation.iteration(), motion_step: Some(1), threads: self.threads };
         let mut assessed: Vec<Option<(RunResult, MethodEstimate)>> = all.iter().map(|_| None).collect();
         let (done, stopwatch) = (Cell::new(0), Stopwatch::start());
-        let mut tell = |simulations| {
+        let mut report = |simulations| {
             let (done, of) = (done.get(), all.len());
             let left = time_left(stopwatch.seconds(), done, of);
             progress(&format!("{done} of {of} estimates{left}, {simulations} simulations side by side"));
         };
-        run_all(&jobs, options, &mut tell, &mut |k, finished| {
+        run_all(&jobs, options, &mut report, &mut |k, finished| {
             done.set(done.get() + 1);
-            let assessment = Assessment { identification: self, case: &cases[all[k].0], job: &jobs[k] };
+            let assessment = Assessment { data: EstimationData::Samples(self), case: &cases[all[k].0], job: &jobs[k] };
             let (mut run, estimated) = assessment.assess(finished)?;
             let problem = self.problem_of(problems, &cases[all[k].0]);
             if let Some(reason) = problem.unsettled_weights(self.setup().settings, run.method)
@@ -122,7 +124,7 @@ impl Identification {
     }
 
     /// IV of the nominal case once more, where it did not converge in the loop that is described or along the reference that is
-    /// recorded: a guess of a loop along the motion is enough for it. None where that does not converge either.
+    /// recorded: a guess of a loop along the motion is enough for it. None if that does not converge either.
     fn again_along_the_motion(
         &self,
         (problem, case): (&CaseProblem, &Case),
@@ -143,7 +145,7 @@ impl Identification {
         let options = RunOptions { iteration, motion_step: Some(1), threads: self.threads };
         let mut again = None;
         run_all(&jobs, options, &mut |_| {}, &mut |_, finished| {
-            again = Some(Assessment { identification: self, case, job: &jobs[0] }.assess(finished)?);
+            again = Some(Assessment { data: EstimationData::Samples(self), case, job: &jobs[0] }.assess(finished)?);
             Ok::<(), PreparationError>(())
         })?;
         Ok(again.filter(|(run, _)| run.status == Status::Converged).map(|(mut run, estimated)| {
@@ -168,7 +170,7 @@ impl Identification {
     fn findings(&self, nominal: &Problem, runs: &[RunResult]) -> Vec<RecordingFindings> {
         let setup = self.setup();
         let of = |all: &[PreparedRecording], held_back| -> Vec<RecordingFindings> {
-            all.iter().map(|p| examine(setup, p, nominal, held_back)).collect()
+            all.iter().map(|p| examine(setup, p, ExaminationModel::of(nominal), held_back)).collect()
         };
         let main = with_note(of(&self.main, false), uncertain::of_runs(setup, nominal, runs));
         let mut findings: Vec<_> = examine_robot(setup.robot).into_iter().chain(main).collect();
@@ -193,6 +195,7 @@ impl Identification {
             title: String::new(),
             verdict: None,
             verdict_reasons: Vec::new(),
+            not_examined: Vec::new(),
             robot_joints: JointResult::of_coordinates(self.setup().robot),
             robot_locked: self.setup().robot.locked.clone(),
             samples_used: self.main.iter().map(|p| p.filtered.used_samples().count()).sum(),
@@ -203,7 +206,7 @@ impl Identification {
             seed: None,
             excluded_parameters: self.setup().settings.parameters.exclude.clone(),
             fixed_parameters: self.setup().settings.parameters.fix.clone(),
-            elimination: problem.elimination_result(),
+            elimination: elimination_result(problem),
             unmasked_comparison: self.unmasked_comparison(problem, &runs)?,
             profiled_terms: self.profiled.clone(),
             term_comparison: None,

@@ -22,7 +22,7 @@ impl ColumnSource<'_> {
         self.setup.robot
     }
 
-    /// The observation matrix of columns that stand behind the robot's terms.
+    /// The observation matrix of columns that stand after the robot's terms.
     pub(super) fn columns(&self, columns: Vec<TermColumn>) -> Result<Matrix, PreparationError> {
         let before = self.robot().terms.len();
         let mut robot = self.robot().clone();

@@ -58,7 +58,7 @@ pub(super) struct LeftOut<'a> {
 }
 
 impl LeftOut<'_> {
-    /// The squared weighted error of all folds, each predicted by the consistent estimate of the others; none where one
+    /// The squared weighted error of all folds, each predicted by the consistent estimate of the others; none if one
     /// has none.
     pub(super) fn squared_error(&self, set: &ConsistentSet, prior: Prior) -> Option<f64> {
         let count = set.parameter_table().len();

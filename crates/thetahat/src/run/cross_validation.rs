@@ -5,6 +5,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use thetahat_estimation::{
     identification::{DesignMatrix, Divisor, EstimationError, Method, Needs, Outcome},
     regression::{Regression, relative_error_percent},
+    simulation::Reference,
     trajectory::Moves,
 };
 use thetahat_ground::linear_algebra::Matrix;
@@ -14,7 +15,7 @@ const FEWEST_MOVES: usize = 3;
 /// Fewest recordings of which one can be left out: the others must identify all parameters.
 const FEWEST_RECORDINGS: usize = 2;
 
-/// Parts of a record that is left out in pieces, where it has no moves that are known.
+/// Parts of a recording that is left out in pieces, where it has no moves that are known.
 const PARTS: usize = 5;
 
 /// The part, of five equal ones, to which each decimated row of a joint belongs.
@@ -24,19 +25,19 @@ pub(super) fn folds_by_part(rows: usize) -> Vec<usize> {
 
 /// The fifth of a period to which each decimated row of a joint belongs: other periods do not help to predict one, for they
 /// are the same motion.
-pub(super) fn folds_by_phase(base_frequency_hz: f64, times: &[f64]) -> Vec<usize> {
+fn folds_by_phase(base_frequency_hz: f64, times: &[f64]) -> Vec<usize> {
     times.iter().map(|t| ((t * base_frequency_hz).fract() * PARTS as f64) as usize).collect()
 }
 
 /// The recording, from zero, to which each decimated row of a joint belongs.
-pub(super) fn folds_by_recording(recordings: Vec<usize>) -> Option<Vec<usize>> {
+fn folds_by_recording(recordings: Vec<usize>) -> Option<Vec<usize>> {
     let count = recordings.iter().max().map_or(0, |last| last + 1);
     (count >= FEWEST_RECORDINGS).then_some(recordings)
 }
 
-/// The move, from zero, to which each decimated row of a joint belongs: the last one that has started. None where the rows
+/// The move, from zero, to which each decimated row of a joint belongs: the last one that has started. None if the rows
 /// belong to fewer than three.
-pub(super) fn folds_by_move(moves: &Moves, times: &[f64]) -> Option<Vec<usize>> {
+fn folds_by_move(moves: &Moves, times: &[f64]) -> Option<Vec<usize>> {
     let starts: Vec<f64> = moves.moves().iter().map(|m| m.law.start_s).collect();
     let fold = |t: &f64| starts.iter().filter(|s| **s <= *t).count().saturating_sub(1);
     let folds: Vec<usize> = times.iter().map(fold).collect();
@@ -45,14 +46,42 @@ pub(super) fn folds_by_move(moves: &Moves, times: &[f64]) -> Option<Vec<usize>> 
 }
 
 /// What is left out in turn.
-pub(super) struct Folds {
-    /// The fold of each decimated row of a joint.
-    pub(super) of_row: Vec<usize>,
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Folds {
+    /// The fold of each decimated row of a joint, or of each row of all joints.
+    pub(crate) of_row: Vec<usize>,
     /// The name of each fold.
-    pub(super) names: Vec<String>,
+    pub(crate) names: Vec<String>,
 }
 
 impl Folds {
+    /// A move where three or more are known, else the same fifth of every period, else a part, of one recording with rows at
+    /// these times.
+    pub(super) fn of_one_recording(reference: Option<&Reference>, times: &[f64]) -> Self {
+        let by_move = match reference {
+            Some(Reference::Moves(moves)) => folds_by_move(moves, times),
+            Some(Reference::Periodic(periodic)) => {
+                let phases = folds_by_phase(periodic.series().base_frequency_hz(), times);
+                return Self::numbered("fifth of the period", phases);
+            }
+            Some(Reference::Sampled(_)) | None => None,
+        };
+        let by_part = || Self::numbered("part", folds_by_part(times.len()));
+        by_move.map_or_else(by_part, |of_row| Self::numbered("move", of_row))
+    }
+
+    /// A recording each, from the recording of each row; none for fewer than two.
+    pub(crate) fn of_recordings<'n>(of_row: Vec<usize>, names: impl Iterator<Item = &'n str>) -> Option<Self> {
+        let names = names.map(|name| format!("recording {name}")).collect();
+        Some(Self { of_row: folds_by_recording(of_row)?, names })
+    }
+
+    /// Fifths of the stretches of time, from the stretch of each row.
+    pub(crate) fn of_stretches(stretch_of_row: &[usize]) -> Self {
+        let fifths = folds_by_part(stretch_of_row.iter().max().map_or(0, |last| last + 1));
+        Self::numbered("part", stretch_of_row.iter().map(|stretch| fifths[*stretch]).collect())
+    }
+
     /// Folds that are called by a word and their number from one. Those without rows, as moves before the window, are none.
     pub(super) fn numbered(word: &str, of_row: Vec<usize>) -> Self {
         let mut numbers = of_row.clone();
@@ -76,7 +105,7 @@ pub(super) struct CrossValidation {
     pub(super) theta: Vec<Vec<f64>>,
 }
 
-/// Leaves each fold out in turn, estimates from the others with the instruments or sensitivities at hand, and predicts the
+/// Leaves each fold out in turn, estimates from the others with the instruments or sensitivities given, and predicts the
 /// one left out.
 pub(super) fn leave_folds_out(
     regression: &Regression,
@@ -214,9 +243,9 @@ impl Equations {
 /// For each fold a triangle that stands for the rows of all others: as many rows as parameters, along the columns of Z, or
 /// of X where there is none. What is across them has no part in an estimate.
 struct WithoutEach {
-    /// Those of the folds before each, and behind it.
+    /// Those of the folds before each, and after it.
     before: Vec<Matrix>,
-    behind: Vec<Matrix>,
+    after: Vec<Matrix>,
     parameters: usize,
 }
 
@@ -229,13 +258,13 @@ impl WithoutEach {
         let each: Vec<Matrix> = (0..folds).map(of_fold).collect();
         let nothing = Matrix::zeros(0, rows.columns());
         let before = sums(each.iter(), &nothing, parameters);
-        let mut behind = sums(each.iter().rev(), &nothing, parameters);
-        behind.reverse();
-        Self { before, behind, parameters }
+        let mut after = sums(each.iter().rev(), &nothing, parameters);
+        after.reverse();
+        Self { before, after, parameters }
     }
 
     fn triangle(&self, fold: usize) -> Matrix {
-        triangle(&[&self.before[fold], &self.behind[fold]], self.parameters)
+        triangle(&[&self.before[fold], &self.after[fold]], self.parameters)
     }
 }
 

@@ -2,9 +2,10 @@
 
 use super::prepared::{PreparedRecording, times};
 use crate::preparation::Problem;
+use thetahat_estimation::simulation::SimulatedMotion;
 use thetahat_ground::series::Series;
 use thetahat_model::{base_parameters::BaseParameters, dynamics::Model, robot::Robot};
-use thetahat_report::results::{Frame, HeldBackPlots, Plots, RecordStart, Skeleton};
+use thetahat_report::results::{Frame, HeldBackPlots, Plots, RecordStart, RunPlots, Skeleton};
 
 /// Most points of the tool's way.
 const WAY: usize = 400;
@@ -20,6 +21,16 @@ pub(super) fn shared(robot: &Robot, prepared: &[PreparedRecording], problem: &Pr
         recordings: starts(prepared, problem),
         held_back: HeldBackPlots::default(),
         skeleton: skeleton(robot, &problem.model, &positions),
+    }
+}
+
+/// The curves of a prediction, and of simulated motions where there are any.
+pub(super) fn of_prediction(problem: &Problem, prediction: &[f64], simulated: &[SimulatedMotion]) -> RunPlots {
+    let positions: Vec<&Series> = simulated.iter().map(|m| &m.q).collect();
+    RunPlots {
+        predicted: problem.regression.layout.by_joint(prediction),
+        simulated_position: if positions.is_empty() { Vec::new() } else { problem.at_rows(&positions) },
+        ..RunPlots::default()
     }
 }
 
@@ -74,7 +85,7 @@ pub(super) fn numbers(model: &Model, estimated: &BaseParameters) -> Vec<usize> {
     estimated.parameters().iter().map(|p| model.parameter_table().get(p.kept).number).collect()
 }
 
-/// The a-priori value of each parameter; none where one of those that it is made of is not known a priori.
+/// The a-priori value of each parameter; none if one of those that it is made of is not known a priori.
 pub(super) fn a_priori(robot: &Robot, model: &Model, estimated: &BaseParameters) -> Vec<Option<f64>> {
     let table = model.parameter_table();
     let values = estimated.from_standard(&robot.a_priori_parameters_for(table));

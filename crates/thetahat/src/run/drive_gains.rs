@@ -3,7 +3,7 @@
 //! A drive's recorded torque is `s = k (phi theta + p) + e`, with the known torque p of the payload and `k` one over the gain
 //! that the recorded torque lacks. Joint by joint, `s - p = phi (k theta) + (k - 1) p + e`: least squares with noise on the
 //! left side only, which is the maximum-likelihood estimate of the joint, and no total least squares is needed. What the
-//! parameters of the robot can mimic of p says nothing of k: recordings without the payload tell the two apart (M. Gautier,
+//! parameters of the robot can mimic of p gives no information about k: recordings without the payload separate the two (M. Gautier,
 //! S. Briot, "Global identification of joint drive gains and dynamic parameters of robots", 2014).
 
 use super::identification::Identification;
@@ -20,7 +20,7 @@ use thetahat_report::results::DriveGainResult;
 
 /// Size of a diagonal entry of R, relative to the largest, below which a column depends on others.
 const RANK_TOLERANCE: f64 = 1e-10;
-/// Half the width of an interval, relative to the gain, above which the payload does not tell it.
+/// Half the width of an interval, relative to the gain, above which the payload does not identify it.
 const TOO_WIDE: f64 = 0.25;
 
 impl Identification {
@@ -106,7 +106,7 @@ impl Gain {
         let [low, high] = found.interval_95[last].map(|end| 1.0 + end);
         let half_width_percent = 50.0 * (high - low) / inverse.abs();
         if inverse.is_nan() || low <= 0.0 || half_width_percent > 100.0 * TOO_WIDE {
-            return Err(format!("the payload tells it to {half_width_percent:.0} % only"));
+            return Err(format!("the payload determines it to {half_width_percent:.0} % only"));
         }
         let factor = 1.0 / inverse;
         let standard_deviation = factor * factor * found.standard_deviation[last];

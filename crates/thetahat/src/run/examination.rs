@@ -16,11 +16,25 @@ use thetahat_report::results::RecordingFindings;
 /// The name under which findings of several recordings stand.
 const TOGETHER: &str = "all recordings";
 
+/// The model by which recordings are examined, with its base parameters: those that are estimated, and all.
+#[derive(Clone, Copy)]
+pub(crate) struct ExaminationModel<'a> {
+    pub(crate) model: &'a Model,
+    pub(crate) estimated: &'a BaseParameters,
+    pub(crate) base: &'a BaseParameters,
+}
+
+impl<'a> ExaminationModel<'a> {
+    pub(super) fn of(problem: &'a Problem) -> Self {
+        Self { model: &problem.model, estimated: &problem.estimated, base: &problem.base }
+    }
+}
+
 /// What the checks find in one recording.
 pub(crate) fn examine(
     setup: Setup<'_>,
     prepared: &PreparedRecording,
-    problem: &Problem,
+    ExaminationModel { model, estimated, base }: ExaminationModel<'_>,
     held_back: bool,
 ) -> RecordingFindings {
     let PreparedRecording { filtered, reference } = prepared;
@@ -31,13 +45,12 @@ pub(crate) fn examine(
     let reconstructed = reference.as_ref().filter(|r| matches!(r.reference, Reference::Moves(_)) && is_used);
     let deviation = reconstructed.map(|r| r.rms_deviation(filtered));
     // The checks see positions and torques alone: what multiplies another channel is left out of what they fit.
-    let [base, all] =
-        [&problem.estimated, &problem.base].map(|base| base.filtered(|kept| !problem.model.takes_channel(kept)));
+    let [base, all] = [estimated, base].map(|base| base.filtered(|kept| !model.takes_channel(kept)));
     let subject = Subject {
         reference: recording.reference.as_ref(),
         reconstructed_deviation: deviation.as_deref(),
         controller: setup.settings.controller.as_ref(),
-        ..subject_of(setup, filtered, &problem.model, (&base, &all))
+        ..subject_of(setup, filtered, model, (&base, &all))
     };
     RecordingFindings { recording: recording.name.clone(), held_back, findings: checks::examine(&subject) }
 }
@@ -78,15 +91,15 @@ fn subject_of<'a>(
     }
 }
 
-/// What the checks find in the robot's description, under its name; none where that is nothing.
+/// What the checks find in the robot's description, under its name; none if that is nothing.
 pub(crate) fn examine_robot(robot: &Robot) -> Option<RecordingFindings> {
     let findings = checks::examine_robot(robot);
     let recording = format!("robot {}", robot.name);
     (!findings.is_empty()).then_some(RecordingFindings { recording, held_back: false, findings })
 }
 
-/// What the checks find in recordings beside one another: those to identify from, and those held back.
-pub(super) fn compare(
+/// What the checks find in recordings compared with one another: those to identify from, and those held back.
+pub(crate) fn compare(
     setup: Setup<'_>,
     [main, held_back]: [&[PreparedRecording]; 2],
     (model, base): (&Model, &BaseParameters),
@@ -122,14 +135,14 @@ pub(crate) fn check_recordings(
     let (main, held_back) = (prepare_all(main)?, prepare_all(held_back)?);
     let problem = setup.problem(&Case::nominal(), &filtered(&main))?;
     let of = |prepared: &[PreparedRecording], held_back| -> Vec<RecordingFindings> {
-        prepared.iter().map(|p| examine(setup, p, &problem, held_back)).collect()
+        prepared.iter().map(|p| examine(setup, p, ExaminationModel::of(&problem), held_back)).collect()
     };
-    let (found, beside) = (of(&main, false), of(&held_back, true));
+    let (found, of_others) = (of(&main, false), of(&held_back, true));
     let together = compare(setup, [&main, &held_back], (&problem.model, &problem.base));
     let weights: Vec<f64> = main.iter().map(|p| p.filtered.recording.weight).collect();
     let has_torques = main.iter().all(|p| p.filtered.recording.torque.is_some());
     let note = has_torques.then(|| note_before_estimates(setup, problem, &weights)).flatten();
-    Ok(with_note(found, note).into_iter().chain(beside).chain(together).collect())
+    Ok(with_note(found, note).into_iter().chain(of_others).chain(together).collect())
 }
 
 /// The note on the estimates of the method that needs the measured motion alone.

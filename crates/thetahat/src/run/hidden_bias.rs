@@ -3,8 +3,8 @@
 //!
 //! The torque that the estimate predicts is simulated with such an error, and estimated from: the change says how far the error
 //! moves the estimate (C. Gouriéroux, A. Monfort, E. Renault, "Indirect inference", Journal of Applied Econometrics 8, 1993), and
-//! is linear in the size of the error. The same simulated errors beside the parameters, as further columns, say which
-//! sizes the record leaves possible.
+//! is linear in the size of the error. The same simulated errors as columns in addition to the parameters say which
+//! sizes the recording leaves possible.
 
 use std::iter::once;
 
@@ -32,8 +32,8 @@ struct Direction {
 }
 
 impl Identification {
-    /// Adds to each run its bias by each error, the largest one that the record leaves possible; none to a run without estimates
-    /// or without intervals, and none where torques take another channel or none are fitted.
+    /// Adds to each run its bias by each error, the largest one that the recording leaves possible; none to a run without estimates
+    /// or without intervals, and none if torques take another channel or none are fitted.
     pub(super) fn add_hidden_biases(&self, problem: &Problem, runs: &mut [RunResult], estimated: &[MethodEstimate]) {
         if !self.setup().robot.channels().is_empty() {
             return;
@@ -129,13 +129,14 @@ impl Bounded<'_> {
         Ok(directions.iter().zip(&sizes).filter_map(bias).collect())
     }
 
-    /// 95 % intervals of the sizes of errors that are estimated beside the parameters.
+    /// 95 % intervals of the sizes of errors that are estimated together with the parameters.
     fn sizes(&self, directions: &[Direction]) -> Result<Vec<[f64; 2]>, EstimationError> {
         let MethodEstimate { method, regression, outcome } = self.estimated;
         let torques = directions.iter().flat_map(|d| d.torque.iter().copied()).collect();
         let errors = Matrix::from_columns(regression.x.rows(), torques);
-        let beside = |matrix: &Matrix| Matrix::side_by_side(&[matrix, &errors]);
-        let (regression, z) = (regression.with_matrix(beside(&regression.x)), outcome.instruments.as_ref().map(beside));
+        let with_errors = |matrix: &Matrix| Matrix::side_by_side(&[matrix, &errors]);
+        let (regression, z) =
+            (regression.with_matrix(with_errors(&regression.x)), outcome.instruments.as_ref().map(with_errors));
         let fit = method.estimate(&regression, z.as_ref(), self.divisor)?;
         let intervals = uncertainty(*method, &regression, z.as_ref(), &fit)?.interval_95;
         Ok(intervals[intervals.len() - directions.len()..].to_vec())

@@ -3,8 +3,8 @@
 use std::sync::OnceLock;
 
 use super::{
-    cross_validation::{Folds, folds_by_move, folds_by_part, folds_by_phase, folds_by_recording},
-    prepared::{PreparedRecording, filtered, times},
+    cross_validation::Folds,
+    prepared::{PreparedRecording, filtered},
     profiled_robot::with_profiled_terms,
 };
 use crate::{
@@ -16,7 +16,6 @@ use crate::{
 use thetahat_estimation::{
     control::ControllerDescription,
     identification::{EstimationError, JointWeights, Method, Needs, Reason, Response, UserEstimator, Weighting},
-    simulation::Reference,
 };
 use thetahat_ground::pool::available_threads;
 use thetahat_model::{
@@ -59,7 +58,7 @@ impl CaseProblem {
         Self { friction, problem, joint_weights: OnceLock::new() }
     }
 
-    /// The weight of each row: that of its recording, and where the method asks for it that of its joint. None where all
+    /// The weight of each row: that of its recording, and where the method asks for it that of its joint. None if all
     /// are one.
     pub(crate) fn weights(&self, settings: &Settings, method: Method, of_recordings: &[f64]) -> Option<Vec<f64>> {
         let regression = &self.problem.regression;
@@ -120,7 +119,7 @@ impl Identification {
         Ok(identification)
     }
 
-    /// The same on so many threads instead of one for each processor, as where several robots are identified at a time. The results
+    /// The same with a given number of threads instead of one for each processor, as where several robots are identified at a time. The results
     /// do not depend on their number.
     #[must_use]
     pub fn on_threads(self, threads: usize) -> Self {
@@ -158,7 +157,7 @@ impl Identification {
             if payload == Some(false) { self.loaded.push(prepared) } else { self.main.push(prepared) }
         }
         if self.main.is_empty() {
-            let why = "a payload that is to be estimated is told from the robot by motion with and without it";
+            let why = "a payload that is to be estimated is distinguished from the robot by motion with and without it";
             return Err(PreparationError::Missing { missing: "a recording without it", why });
         }
         Ok(())
@@ -309,19 +308,9 @@ impl Identification {
         let [only] = &self.main[..] else {
             let mut of_row = layout.spread(|b| b.recording);
             of_row.truncate(rows_of_joint);
-            let names = self.main.iter().map(|p| format!("recording {}", p.filtered.recording.name));
-            return Some(Folds { of_row: folds_by_recording(of_row)?, names: names.collect() });
+            return Folds::of_recordings(of_row, self.main.iter().map(|p| &*p.filtered.recording.name));
         };
-        let by_move = match only.reference.as_ref().map(|r| &r.reference) {
-            Some(Reference::Moves(moves)) => folds_by_move(moves, &times(&self.main, problem)),
-            Some(Reference::Periodic(periodic)) => {
-                let phases = folds_by_phase(periodic.series().base_frequency_hz(), &times(&self.main, problem));
-                return Some(Folds::numbered("fifth of the period", phases));
-            }
-            Some(Reference::Sampled(_)) | None => None,
-        };
-        let by_part = || Folds::numbered("part", folds_by_part(rows_of_joint));
-        Some(by_move.map_or_else(by_part, |of_row| Folds::numbered("move", of_row)))
+        problem.decimators.first().map(|decimator| only.folds(decimator))
     }
 }
 

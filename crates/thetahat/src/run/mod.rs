@@ -16,12 +16,14 @@
 //! ```
 
 mod assessment;
+mod bandwidth;
 mod cases;
 mod column_source;
 mod consistent_data;
 mod cross_validation;
 mod curves;
 mod drive_gains;
+mod estimation_data;
 mod examination;
 mod hidden_bias;
 mod identification;
@@ -35,6 +37,7 @@ mod prediction;
 mod prepared;
 mod profile;
 mod profiled_robot;
+mod reduced;
 mod regression;
 mod residual_curves;
 mod sensitivity;
@@ -43,12 +46,14 @@ mod uncertain;
 mod unmasked_comparison;
 mod user_estimators;
 
+pub(crate) use cross_validation::Folds;
 pub(crate) use curves::skeleton_in;
-pub(crate) use examination::{check_recordings, examine_robot};
+pub(crate) use examination::{ExaminationModel, check_recordings, compare, examine, examine_robot};
 #[doc(hidden)]
 pub use identification::Identification;
 pub(crate) use identification::{CaseProblem, explain};
-pub(crate) use parameters::{covariance_of, parameter_results};
 pub(crate) use prediction::{Identified, predict_torques};
+pub(crate) use prepared::PreparedRecording;
 #[doc(hidden)]
 pub use profiled_robot::with_constants;
+pub(crate) use reduced::{ReducedData, ReducedIdentification, SimulatedInstruments};

@@ -18,7 +18,7 @@ pub(super) enum Data {
     HeldBack,
 }
 
-/// The finding about the joints that are predicted worse than zero; none where all are predicted better.
+/// The finding about the joints that are predicted worse than zero; none if all are predicted better.
 pub(super) fn no_predictive_power(
     robot: &Robot,
     regression: &Regression,

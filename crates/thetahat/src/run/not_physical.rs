@@ -38,7 +38,7 @@ pub(super) fn not_physical(
     findings
 }
 
-/// What a parameter that no robot has below zero is called; none for those of links and loads.
+/// What a parameter that cannot be negative is called; none for those of links and loads.
 fn what_is(table: &ParameterTable, parameter: &BaseParameter) -> Option<&'static str> {
     match table.get(parameter.kept).quantity.role() {
         Role::MotorInertia => Some("motor inertia"),
@@ -132,7 +132,7 @@ fn outside(table: &ParameterTable, physical: &PhysicalResult, limit: f64, asked:
 fn link_remedy(asked: bool, is_noise: bool) -> &'static str {
     match (asked, is_noise) {
         (false, _) => {
-            "set physical = true in [parameters]: the consistent parameters nearest to the estimate come beside it, with a \
+            "set physical = true in [parameters]: the consistent parameters nearest to the estimate are added, with a \
              test whether the data reject them"
         }
         (true, true) => "take the consistent estimate where parameters are simulated or used in a controller",

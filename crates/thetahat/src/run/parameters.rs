@@ -1,10 +1,20 @@
-use crate::preparation::{LoopParameters, Settings};
+use crate::preparation::{LoopParameters, Problem, Settings};
 use thetahat_estimation::identification::{Fit, Uncertainty};
 use thetahat_model::base_parameters::{BaseParameter, BaseParameters};
-use thetahat_report::results::{LoopParameterResult, ParameterResult};
+use thetahat_report::results::{EliminationResult, LoopParameterResult, ParameterResult};
+
+/// The elimination of a problem with the names of its parameters, where essential ones were sought.
+pub(super) fn elimination_result(problem: &Problem) -> Option<EliminationResult> {
+    let names = |columns: &[usize]| columns.iter().map(|&c| problem.base.parameters()[c].name.clone()).collect();
+    problem.elimination.as_ref().map(|elimination| EliminationResult {
+        kept: names(&elimination.kept),
+        eliminated: names(&elimination.eliminated),
+        f_test: elimination.f_test,
+    })
+}
 
 /// The estimates of a run with their deviations, intervals and true values.
-pub(crate) fn parameter_results(
+pub(super) fn parameter_results(
     settings: &Settings,
     estimated: &BaseParameters,
     fit: &Fit,
@@ -29,7 +39,7 @@ pub(crate) fn parameter_results(
 
 /// The lower triangle, row by row, of the covariance of estimates: classical correlations with the deviations of the results,
 /// those with correlated errors where there are any.
-pub(crate) fn covariance_of(fit: &Fit, parameters: &[ParameterResult]) -> Vec<f64> {
+pub(super) fn covariance_of(fit: &Fit, parameters: &[ParameterResult]) -> Vec<f64> {
     let factor = |(i, p): (usize, &ParameterResult)| {
         let classical = fit.standard_deviation[i];
         let deviation = p.deviation().unwrap_or(classical);
@@ -40,7 +50,7 @@ pub(crate) fn covariance_of(fit: &Fit, parameters: &[ParameterResult]) -> Vec<f6
     (0..factors.len()).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| entry(i, j)).collect()
 }
 
-/// The quantities of the loop that were estimated behind `before` parameters of the robot.
+/// The quantities of the loop that were estimated after `before` parameters of the robot.
 pub(super) fn loop_parameter_results(
     loop_parameters: &LoopParameters,
     before: usize,

@@ -89,9 +89,9 @@ fn carries(prepared: &PreparedRecording, payload: &Payload) -> bool {
     prepared.filtered.recording.payload.as_deref() == Some(&payload.name)
 }
 
-/// The estimate of a payload's parameters beside those of the robot.
+/// The estimate of a payload's parameters together with those of the robot.
 struct EstimatedPayload {
-    /// None where the motion does not identify one.
+    /// None if the motion does not identify one.
     parameters: Vec<Option<One>>,
     /// Their covariance with correlated errors, where all are identified.
     covariance: Option<Matrix>,
@@ -107,7 +107,7 @@ struct One {
 }
 
 impl EstimatedPayload {
-    /// The last ten columns of a regression behind so many of the robot.
+    /// The last ten columns of a regression, after so many of the robot.
     fn of(regression: &Regression, robot: usize) -> Self {
         let none = || Self {
             parameters: vec![None; INERTIAL.len()],
@@ -145,7 +145,7 @@ impl EstimatedPayload {
     }
 }
 
-/// An estimate under the name of its parameter; none where there is none.
+/// An estimate under the name of its parameter; none if there is none.
 fn named(quantity: LinkQuantity, found: Option<One>) -> PayloadParameter {
     PayloadParameter {
         name: quantity.name().to_owned(),

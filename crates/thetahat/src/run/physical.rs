@@ -17,7 +17,7 @@ use thetahat_model::consistency::{
 };
 use thetahat_report::results::{ConsistencyTest, ConsistentEstimate, ConsistentParameter, PhysicalResult, RunResult};
 
-/// Accuracy with which what an estimate lacks is told.
+/// Accuracy with which what an estimate lacks is computed.
 const EXAMINATION_GAP: f64 = 1e-3;
 /// Margin, in usual values, below which a condition counts as at its boundary.
 const AT_BOUNDARY: f64 = 1e-3;
@@ -104,7 +104,9 @@ impl Examined<'_> {
             PriorWeight::Number(weight) => Ok(weight),
             PriorWeight::Rule(WeightRule::CrossValidation) => {
                 let best = tried.iter().min_by(|a, b| a[1].total_cmp(&b[1])).map(|best| best[0]);
-                best.ok_or_else(|| "no part of the record can be left out to choose the weight of the prior".to_owned())
+                best.ok_or_else(|| {
+                    "no part of the recording can be left out to choose the weight of the prior".to_owned()
+                })
             }
         }
     }

@@ -1,5 +1,9 @@
-use crate::preparation::{FilteredRecording, PreparationError, Problem, RecordedReference, Recording, Setup};
-use thetahat_report::results::{NearRestResult, RecordingResult};
+use super::cross_validation::Folds;
+use crate::preparation::{
+    FilteredRecording, FoundPeriod, PreparationError, Problem, RecordedReference, Recording, Setup,
+};
+use thetahat_estimation::{signal::Decimator, simulation::Reference};
+use thetahat_report::results::{NearRestResult, PeriodicResult, RecordingResult, ReferenceResult};
 
 /// A recording ready for every case: filtered, with its reference where a method or report needs one.
 pub(crate) struct PreparedRecording {
@@ -22,6 +26,12 @@ impl PreparedRecording {
         Ok(Self { filtered, reference })
     }
 
+    /// What is left out in turn of this recording alone, where its rows are those of a decimator.
+    pub(crate) fn folds(&self, decimator: &Decimator) -> Folds {
+        let times: Vec<f64> = times_of(&self.filtered, decimator, 0.0).collect();
+        Folds::of_one_recording(self.reference.as_ref().map(|r| &r.reference), &times)
+    }
+
     pub(super) fn describe(&self, problem: &Problem) -> RecordingResult {
         let recording = &self.filtered.recording;
         RecordingResult {
@@ -34,9 +44,29 @@ impl PreparedRecording {
             torque_bandwidth_hz: self.filtered.torque_ends_hz(),
             torque_hold_s: recording.torque_hold_s,
             near_rest: near_rest(&self.filtered, problem),
-            reference: self.reference.as_ref().map(|r| r.describe(&self.filtered)),
+            reference: self.reference.as_ref().map(|r| reference_result(r, &self.filtered)),
         }
     }
+}
+
+/// The reference of a recording, and how far the motion is from it.
+fn reference_result(found: &RecordedReference, filtered: &FilteredRecording) -> ReferenceResult {
+    let moves = match &found.reference {
+        Reference::Moves(moves) => Some(moves.moves().len()),
+        Reference::Sampled(_) | Reference::Periodic(_) => None,
+    };
+    ReferenceResult {
+        origin: found.origin.to_owned(),
+        moves,
+        periodic: found.periodic.map(periodic_result),
+        smoothing_cutoff_hz: found.smoothing_cutoff_hz,
+        rms_deviation: found.rms_deviation(filtered),
+    }
+}
+
+fn periodic_result(found: FoundPeriod) -> PeriodicResult {
+    let FoundPeriod { base_frequency_hz, harmonics, degree, periods, stretch_s } = found;
+    PeriodicResult { base_frequency_hz, harmonics, degree, periods, stretch_s }
 }
 
 /// The samples near rest that a recording leaves out.
@@ -60,9 +90,18 @@ pub(super) fn times(prepared: &[PreparedRecording], problem: &Problem) -> Vec<f6
     let mut times = Vec::new();
     let mut before_s = 0.0;
     for (PreparedRecording { filtered, .. }, decimator) in prepared.iter().zip(&problem.decimators) {
-        let rate = filtered.recording.sample_rate_hz;
-        times.extend(decimator.kept().map(|k| before_s + filtered.start_s() + k as f64 / rate));
-        before_s += filtered.recording.position.len() as f64 / rate;
+        times.extend(times_of(filtered, decimator, before_s));
+        before_s += filtered.recording.position.len() as f64 / filtered.recording.sample_rate_hz;
     }
     times
+}
+
+/// The time of each row of a joint in one recording, which starts at `before_s`.
+fn times_of<'a>(
+    filtered: &'a FilteredRecording,
+    decimator: &'a Decimator,
+    before_s: f64,
+) -> impl Iterator<Item = f64> + 'a {
+    let rate = filtered.recording.sample_rate_hz;
+    decimator.kept().map(move |k| before_s + filtered.start_s() + k as f64 / rate)
 }

@@ -43,8 +43,8 @@ pub(super) fn with_profiled_terms(
         for k in 0..found.len() {
             let Shape::Stribeck(stribeck) = found[k].shape else { continue };
             let rest: Vec<TermColumn> = (0..found.len()).filter(|&i| i != k).map(|i| renamed(&found[i], i)).collect();
-            let beside = if rest.is_empty() { None } else { Some(source.columns(rest)?) };
-            let all = Matrix::side_by_side(&[&others].into_iter().chain(&beside).collect::<Vec<_>>());
+            let others_of_terms = if rest.is_empty() { None } else { Some(source.columns(rest)?) };
+            let all = Matrix::side_by_side(&[&others].into_iter().chain(&others_of_terms).collect::<Vec<_>>());
             let best = Projection::new(source, weights.clone(), &all).profile(&found[k], stribeck.law)?;
             found[k].shape = Shape::Stribeck(best.stribeck);
             profiled.push(ProfiledTerm {
@@ -61,7 +61,7 @@ pub(super) fn with_profiled_terms(
 
 /// A column under a name that no other has.
 fn renamed(column: &TermColumn, place: usize) -> TermColumn {
-    TermColumn { parameter: format!("beside_{place}"), ..column.clone() }
+    TermColumn { parameter: format!("other_{place}"), ..column.clone() }
 }
 
 /// The robot with the constants of its terms that were found: a profiled term becomes one for each of its joints, with the constants

@@ -30,7 +30,7 @@ const SWEEP: [(BiasKind, &[f64]); 7] = [
 const METHODS: [Method; 2] = [Method::IDIM_IV, Method::DIDIM];
 
 impl Identification {
-    /// Estimates by IV and DIDIM with each error of the simulator, on top of none. `progress` is told how many of how many
+    /// Estimates by IV and DIDIM with each error of the simulator, on top of none. `progress` is called with how many of how many
     /// estimations are done; the result does not depend on the number of `threads`.
     ///
     /// An estimation that does not converge says so in its status.

@@ -43,7 +43,7 @@ struct Comparison<'a> {
 }
 
 impl Identification {
-    /// Compares laws of torque terms for every joint; none where the model as described has no estimate.
+    /// Compares laws of torque terms for every joint; none if the model as described has no estimate.
     ///
     /// # Errors
     /// [`PreparationError`] where a recording cannot be filtered.
@@ -106,7 +106,7 @@ impl Comparison<'_> {
         all
     }
 
-    /// A law beside the model as described; none where the robot has it, or the motion does not separate it.
+    /// A law added to the model as described; none if the robot has it, or the motion does not separate it.
     fn with(&self, coordinate: usize, description: &TermDescription) -> Result<Option<TermLaw>, PreparationError> {
         let mut candidate = self.source.robot().clone();
         // What the robot has already, or cannot have, is no candidate.
@@ -140,7 +140,7 @@ impl Comparison<'_> {
         }))
     }
 
-    /// The model as described with more columns, and the names of their parameters; none where they are dependent.
+    /// The model as described with more columns, and the names of their parameters; none if they are dependent.
     fn judge_with(&self, columns: Vec<TermColumn>) -> Result<Option<(ComparedTerm, Vec<String>)>, PreparationError> {
         let parameters: Vec<String> = columns.iter().map(|c| c.parameter.clone()).collect();
         let added = self.source.columns(columns)?;
@@ -178,7 +178,7 @@ impl Comparison<'_> {
         laws
     }
 
-    /// The constants of Stribeck friction beside the model as described; none where the record does not say them.
+    /// The constants of Stribeck friction added to the model as described; none if the recording does not identify them.
     fn profile(&self, column: &TermColumn, law: StribeckLaw) -> Result<Option<Stribeck>, PreparationError> {
         let projection = Projection::new(self.source, self.weights.clone(), &self.regression.x);
         let ProfileMinimum { stribeck, at_limit } = projection.profile(column, law)?;
@@ -193,7 +193,7 @@ impl Comparison<'_> {
     }
 }
 
-/// Estimates by weighted least squares, and predicts what is left out; none where the columns are dependent.
+/// Estimates by weighted least squares, and predicts what is left out; none if the columns are dependent.
 fn judge(regression: &Regression, folds: Option<&Folds>) -> Option<ComparedTerm> {
     let fit = idim_ls(regression, Default::default()).ok()?;
     let residual: Vec<f64> = regression.y.iter().zip(&fit.prediction).map(|(y, p)| y - p).collect();

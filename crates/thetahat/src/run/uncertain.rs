@@ -5,7 +5,7 @@ use crate::preparation::{NamedChoice, ParameterChoice, Problem, Setup, Simulable
 use thetahat_estimation::{
     checks::{Code, Finding, Severity},
     identification::{Method, Needs, eliminate},
-    regression::Regression,
+    regression::{Regression, RowLayout},
 };
 use thetahat_ground::{
     linear_algebra::{Matrix, PivotedQr, dot, norm},
@@ -28,7 +28,7 @@ pub(super) fn of_runs(setup: Setup<'_>, problem: &Problem, runs: &[RunResult]) -
     note(setup, problem, run.method, &run.parameters)
 }
 
-/// The note on estimates of a method; none where all are certain.
+/// The note on estimates of a method; none if all are certain.
 pub(super) fn note(
     setup: Setup<'_>,
     problem: &Problem,
@@ -83,16 +83,16 @@ fn remedy(setup: Setup<'_>, problem: &Problem) -> String {
 /// What leaving out the parameters that are not essential would do.
 struct Trial {
     eliminated: usize,
-    /// Relative errors of predicted fifths of the record, percent: with all parameters, and with the essential ones.
+    /// Relative errors of predicted fifths of the recording, percent: with all parameters, and with the essential ones.
     whole: f64,
     essential: f64,
 }
 
 impl Trial {
-    /// None where nothing would be left out, or the fifths do not separate the parameters.
+    /// None if nothing would be left out, or the fifths do not separate the parameters.
     fn new(setup: Setup<'_>, problem: &Problem) -> Option<Self> {
         let regression = &problem.regression;
-        if norm(&regression.y) == 0.0 {
+        if norm(&regression.y) == 0.0 || !regression.is_in_time_order {
             return None;
         }
         let fifths = Fifths::new(regression);
@@ -126,8 +126,8 @@ impl Fifths {
         let rows = Matrix::stack(&self.0.iter().collect::<Vec<_>>()).triangular_factor();
         let columns = rows.columns() - 1;
         let x = rows.select_columns(&(0..columns).collect::<Vec<_>>());
-        let represented = vec![rows_represented as f64];
-        Regression { represented, ..Regression::single_series(x, rows.column(columns).to_vec()) }
+        let layout = RowLayout::new(1, &[x.rows()]);
+        Regression::of_factors(x, rows.column(columns).to_vec(), layout, vec![rows_represented as f64])
     }
 
     /// The length of the error of the fifths, each with the parameters of the others.

@@ -9,8 +9,8 @@ use thetahat_report::results::{NOMINAL, ParameterResult, RunResult, UnmaskedComp
 const MOST_NUMBERS: usize = 10_000_000;
 
 impl Identification {
-    /// IDIM-LS on every sample beside the nominal run, where samples near rest are left out; none where there is no such run,
-    /// or where the records are so long that it would cost too much.
+    /// IDIM-LS on every sample, compared with the nominal run, where samples near rest are left out; none if there is no such run,
+    /// or where the recordings are so long that it would cost too much.
     pub(super) fn unmasked_comparison(
         &self,
         problem: &Problem,

@@ -20,7 +20,7 @@ use thetahat_report::results::{ParameterResult, UserRun};
 const HALF_WIDTH_95: f64 = 1.959_963_984_540_054;
 
 impl Identification {
-    /// The same with an estimator of the user's own beside the methods.
+    /// The same with an estimator of the user's own in addition to the methods.
     ///
     /// # Errors
     /// [`PreparationError`] where another has its name, or a recording has no torques.

@@ -14,7 +14,7 @@ use thetahat_estimation::{
     simulation::SimulationError,
 };
 
-/// A fit of the simulated response to that of the record.
+/// A fit of the simulated response to that of the recording.
 pub(super) struct Fitting<'a> {
     job: &'a EstimationJob<'a>,
     simulator: &'a Simulator<'a>,
@@ -67,7 +67,7 @@ impl<'a> Fitting<'a> {
         }
     }
 
-    /// What is told of what was simulated.
+    /// What is reported of what was simulated.
     pub(super) fn note(&self) -> Option<String> {
         let kept = self
             .simulator
@@ -96,7 +96,7 @@ fn response(
 }
 
 /// What a step leads to, the parameters of the robot in what can be simulated. Their metric is that with the parameters of the
-/// loop, which stand behind them, at their best.
+/// loop, which follow them, at their best.
 fn admit(physical: &mut Physical<'_>, of_robot: usize, GaussNewtonStep { mut theta, r }: GaussNewtonStep) -> Vec<f64> {
     let of_loop = theta.split_off(of_robot);
     let loop_first: Vec<usize> = (of_robot..r.columns()).chain(0..of_robot).collect();

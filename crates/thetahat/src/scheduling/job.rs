@@ -38,7 +38,7 @@ impl<'a> EstimationJob<'a> {
         Self { problem, method, regression, simulator, start }
     }
 
-    /// The names of what of the loop is estimated behind the robot's parameters.
+    /// The names of what of the loop is estimated after the robot's parameters.
     pub(crate) fn names_of_loop(&self) -> Vec<String> {
         self.simulator.as_ref().map(|s| s.loop_parameters().names()).unwrap_or_default()
     }

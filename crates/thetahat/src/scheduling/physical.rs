@@ -135,7 +135,7 @@ impl<'a> Physical<'a> {
         }
     }
 
-    /// Start values of a fit, the first one first: those given and those nearest to the estimate of LS, as far as they can be
+    /// Start values of a fit, the first one first: those given and those nearest to the estimate of LS, if they can be
     /// simulated.
     pub(super) fn starts(&mut self, start: &[f64]) -> Vec<Vec<f64>> {
         let given = self.is_safe(&self.problem.estimated.to_standard(start), PART_AT_START).then(|| start.to_vec());
@@ -171,7 +171,7 @@ impl<'a> Physical<'a> {
         !std::mem::replace(&mut self.is_needed, true)
     }
 
-    /// What is told of it; nothing where estimates were simulated as they are.
+    /// What is reported of it; nothing where estimates were simulated as they are.
     pub(super) fn note(&self) -> Option<String> {
         if let Some(e) = &self.failure {
             return Some(format!(
@@ -180,8 +180,8 @@ impl<'a> Physical<'a> {
         }
         self.before.as_ref()?;
         let note = match self.design {
-            DesignMatrix::Measured => {
-                "simulates the physically consistent robot nearest to its estimate (no robot has the estimate itself), without \
+            Design::Measured => {
+                "simulates the physically consistent robot nearest to its estimate (the estimate itself is physically impossible), without \
                  Coulomb friction"
             }
             DesignMatrix::Simulated if self.is_kept_in_set => {

@@ -1,4 +1,4 @@
-//! What the loops of all recordings answer, for methods that compare it with the record.
+//! What the loops of all recordings answer, for methods that compare it with the recording.
 
 use super::simulator::{Output, Parameters, RecordedLoop, Simulator};
 use thetahat_estimation::{
@@ -9,7 +9,7 @@ use thetahat_estimation::{
 use thetahat_ground::series::Series;
 
 impl Simulator<'_> {
-    /// The response of the record in the rows of y: raw torques, or raw positions through the same parallel filter.
+    /// The response of the recording in the rows of y: raw torques, or raw positions through the same parallel filter.
     pub(super) fn measured(&self, response: Response) -> Result<Vec<f64>, SimulationError> {
         let of_loop = |l: &RecordedLoop<'_>| match response {
             Response::Torque => l.in_rows(&l.filtered.centred_torque(), response),

@@ -18,7 +18,7 @@ pub(crate) struct Finished {
     pub(crate) outcome: Outcome,
     /// The motion of each recording simulated with the estimate, where it was asked for and succeeds.
     pub(crate) motions: Option<Vec<SimulatedMotion>>,
-    /// What is told of what was simulated.
+    /// What is reported of what was simulated.
     pub(crate) note: Option<String>,
     /// Time spent on the estimate; simulations side by side share theirs in equal parts.
     pub(crate) seconds: f64,
@@ -37,7 +37,7 @@ pub(crate) struct RunOptions {
 /// their motions in memory.
 pub(crate) const SIDE_BY_SIDE: usize = 4;
 
-/// Runs all estimations. `take` is given each, by its place, as soon as it is finished; `progress` is told how many
+/// Runs all estimations. `take` is given each, by its place, as soon as it is finished; `progress` is called with how many
 /// simulations are run next. Results are bit-identical alone or batched, and for any number of threads.
 ///
 /// # Errors
@@ -102,7 +102,7 @@ struct Running<'a> {
     stage: Stage<'a>,
     /// What stands for the estimates of IV and DIDIM in their simulations.
     physical: Option<Physical<'a>>,
-    /// What is told of a fit that has ended.
+    /// What is reported of a fit that has ended.
     note: Option<String>,
     seconds: f64,
 }

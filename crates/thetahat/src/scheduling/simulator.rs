@@ -1,4 +1,4 @@
-//! The closed loops of all recordings as a function of the parameters: instruments Z, and errors against the record.
+//! The closed loops of all recordings as a function of the parameters: instruments Z, and errors against the recording.
 
 use std::{borrow::Cow, collections::BTreeMap};
 
@@ -60,7 +60,7 @@ impl Output {
 pub(crate) enum Parameters {
     /// The estimated base parameters, zeros elsewhere.
     Estimated(Vec<f64>),
-    /// The same, simulated with tolerances [`FINE`] times as large: the response itself is compared with the record, and an
+    /// The same, simulated with tolerances [`FINE`] times as large: the response itself is compared with the recording, and an
     /// error is to fall with every step.
     Fitted { theta: Vec<f64>, tolerance: f64 },
     /// All standard parameters, simulated with tolerances so many times as large as those of the settings.
@@ -89,7 +89,7 @@ pub(crate) struct Simulator<'a> {
     bias: SimulatorBias,
     pub(super) loops: Vec<RecordedLoop<'a>>,
     pub(super) kept_inertia: Option<Vec<f64>>,
-    /// What of the loop is estimated behind the robot's parameters.
+    /// What of the loop is estimated after the robot's parameters.
     pub(super) loop_parameters: LoopParameters,
 }
 
@@ -158,7 +158,7 @@ impl<'a> Simulator<'a> {
         self.problem.consistent_set(self.setup).map_or(start, |set| set.a_priori().to_vec())
     }
 
-    /// What of the loop is estimated behind the robot's parameters.
+    /// What of the loop is estimated after the robot's parameters.
     pub(crate) fn loop_parameters(&self) -> &LoopParameters {
         &self.loop_parameters
     }
@@ -188,7 +188,7 @@ impl<'a> Simulator<'a> {
             },
             theta: &resolved.standard,
             motor_inertia: &resolved.inertia,
-            grid: if whole { l.grid_of_record() } else { l.grid_of_window(output.step()) },
+            grid: if whole { l.grid_of_recording() } else { l.grid_of_window(output.step()) },
         };
         self.loops.iter().map(job).collect()
     }
@@ -223,7 +223,7 @@ impl<'a> Simulator<'a> {
         self.problem
     }
 
-    /// Whether the mass matrix of standard parameters is above a part of that of others along all references.
+    /// Whether the mass matrix of standard parameters exceeds a part of the one of others along all references.
     pub(super) fn has_mass_matrix_above(&self, standard: &[f64], part: f64, least: &[f64]) -> bool {
         self.loops.iter().all(|l| l.closed_loop.has_mass_matrix_above(standard, part, least, l.duration_s()))
     }
@@ -266,7 +266,7 @@ impl<'a> Simulator<'a> {
     }
 
     /// `100 |measured - simulated| / |measured|` in the windows: band-passed position, velocity and acceleration and raw
-    /// torque of the records, against the simulations as they are.
+    /// torque of the recordings, against the simulations as they are.
     pub(crate) fn errors(&self, motions: &[SimulatedMotion]) -> BTreeMap<String, f64> {
         let mut squares: BTreeMap<&str, [f64; 2]> = BTreeMap::new();
         for (l, motion) in self.loops.iter().zip(motions) {
@@ -300,14 +300,14 @@ impl RecordedLoop<'_> {
             let assembly = self.assembly.clone().of_held_torques(self.held_part_of_step());
             return assembly.observation_matrix(&motion.q, &motion.dq, &motion.ddq, sign).map_err(unfiltered);
         }
-        // Filtered as the record is: the whole of it, then cut to the window.
+        // Filtered as the recording is: the whole of it, then cut to the window.
         let rate = self.filtered.recording.sample_rate_hz;
         let Motion { q, dq, ddq } = setup.band_pass(&motion.q, rate).map_err(unfiltered)?;
         let cut = |series: &Series| series.window(self.filtered.window.clone());
         self.assembly.observation_matrix(&cut(&q), &cut(&dq), &cut(&ddq), sign).map_err(unfiltered)
     }
 
-    fn grid_of_record(&self) -> OutputGrid {
+    fn grid_of_recording(&self) -> OutputGrid {
         let recording = &self.filtered.recording;
         OutputGrid { start_s: 0.0, sample_rate_hz: recording.sample_rate_hz, samples: recording.position.len() }
     }

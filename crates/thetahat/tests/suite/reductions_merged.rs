@@ -8,7 +8,7 @@ use thetahat::{
     experiment::ExperimentError,
     preparation::PreparationError,
     reduction::{ReduceOptions, Reduction, ReductionError},
-    results::ParameterResult,
+    results::{ParameterResult, ReasonCode, Verdict},
     signal::SignalError,
 };
 use thetahat_testing::Folder;
@@ -105,7 +105,7 @@ fn merged_in_any_order_they_are_the_identification_of_all() {
         for reduction in [merged, nested] {
             let solution = reduction.solve().unwrap();
             assert_same(&solution.results, &together.results, EQUAL_ORDERS);
-            assert_eq!(solution.segments, together.segments);
+            assert_eq!(solution.intervals, together.intervals);
             for (m, t) in parameters(&solution.results).iter().zip(parameters(&together.results)) {
                 let [m, t] = [m, t].map(|p| p.standard_deviation_robust.unwrap());
                 assert!((m / t - 1.0).abs() < 1e-8);
@@ -205,39 +205,91 @@ fn a_file_is_read_as_it_was_written_or_refused() {
         let error = refused(&damaged);
         assert!(matches!(error, ReductionError::Damaged { .. } | ReductionError::Version { .. }), "{place}: {error}");
     }
-    let next = [b"thetahat reduction 3\n", &bytes[21..]].concat();
-    assert!(matches!(refused(&next), ReductionError::Version { newest: 2, .. }));
+    let next = [b"thetahat reduction 4\n", &bytes[21..]].concat();
+    assert!(matches!(refused(&next), ReductionError::Version { form: 3, .. }));
     assert!(matches!(refused(b"a,b\n1,2\n"), ReductionError::Damaged { .. }));
     assert!(matches!(Reduction::read(&folder.0.at("none")), Err(ReductionError::Unreadable { .. })));
     assert!(matches!(reduction.write(folder.0.path()), Err(ReductionError::Unwritable { .. })));
 }
 
-/// A file that was written before masks, with what was estimated from it then.
+/// A file that was written before findings were kept is refused with that reason.
 #[test]
-fn a_file_of_form_1_is_read_with_rows_of_every_sample() {
+fn a_file_of_form_1_is_refused() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/forms/form_1.reduction");
-    let old = Reduction::read(&path).unwrap();
-    assert_eq!((old.identity.mask.as_str(), old.identity.derivative.as_str()), ("none", "not stated"));
-    let solved = old.solve().unwrap().results;
-    assert_eq!((solved.decimated_rows, solved.recordings[0].near_rest.is_none()), (71, true));
-    let then = [
-        ("zz1r", 0.699_994_057_280_985_7, 2.144_885_236_492_954_5e-5),
-        ("fv1", 2.999_943_709_598_439, 3.355_800_621_927_45e-4),
-        ("fc1", 1.500_233_115_689_466_6, 1.047_566_263_635_211_7e-3),
-        ("off1", 0.200_468_924_372_047_44, 5.270_357_350_951_321e-4),
-    ];
-    for (p, (name, estimate, deviation)) in parameters(&solved).iter().zip(then) {
-        assert_eq!(p.name, name);
-        assert!((p.estimate / estimate - 1.0).abs() < EQUAL_ORDERS, "{name}");
-        assert!((p.standard_deviation.unwrap() / deviation - 1.0).abs() < EQUAL_ORDERS, "sd of {name}");
-    }
-    // Written again it is of the new form, and says as much as before.
-    let folder = Folder::new();
-    old.write(&folder.at("again")).unwrap();
-    assert_eq!(Reduction::read(&folder.at("again")).unwrap(), old);
+    let error = Reduction::read(&path).unwrap_err();
+    assert!(matches!(&error, ReductionError::Version { found, form: 3, .. } if found == "1"), "{error}");
+    let words =
+        ["a reduction of form 1", "reads form 3 alone", "findings of the checks", "reduce the recordings again"];
+    words.iter().for_each(|word| assert!(error.to_string().contains(word), "no {word:?} in: {error}"));
+}
+
+/// Windows that overlap are refused in one reduction and in two, whatever the files are called, and with one number changed.
+#[test]
+fn samples_that_two_recordings_share_are_refused() {
     let (folder, recordings) = three();
-    let new = folder.reduce(&recordings[0], &SIGNAL.replace("decimation = 10", "decimation = 40")).unwrap();
-    assert!(matches!(old.merge(new), Err(ReductionError::Unlike { what: "the derivative", .. })));
+    let window =
+        |file: &str, from: f64, to: f64| recording(file, &format!("window_start_s = {from}\nwindow_end_s = {to}"));
+    let error = folder.reduce(&(window("a.csv", 1.0, 5.0) + &window("a.csv", 3.5, 7.0)), SIGNAL).unwrap_err();
+    let ReductionError::Overlap { first, other } = &error else { panic!("{error}") };
+    assert_eq!((first.file.as_str(), first.span_s, other.span_s), ("a.csv", [3.5, 5.0], [3.5, 5.0]));
+    assert!(
+        error.to_string().contains("recordings 1 (a.csv) and 2 (a.csv) share samples: 3.5000 to 5.0000 s"),
+        "{error}"
+    );
+    folder.reduce(&(window("a.csv", 1.0, 3.5) + &window("a.csv", 3.5, 7.0)), SIGNAL).unwrap();
+
+    // The same record from its second second on, with a number changed.
+    let text = folder.0.text("a.csv");
+    let lines: Vec<&str> = text.lines().collect();
+    let changed = format!("{}1", lines[1500]);
+    let later = [&lines[..1], &lines[1001..1500], &[&changed], &lines[1501..]].concat();
+    folder.0.write("later.csv", later.join("\n") + "\n");
+    let [whole, later] = ["a.csv", "later.csv"].map(|file| folder.reduce(&recording(file, ""), SIGNAL).unwrap());
+    let Err(ReductionError::Overlap { first, other }) = whole.merge(later) else { panic!("they are merged") };
+    let shift = first.span_s[0] - other.span_s[0];
+    assert!((shift - 1.0).abs() < 1e-6 && first.span_s[1] - first.span_s[0] > 5.0, "{first:?} {other:?}");
+}
+
+/// Fixed parameters are taken off the torques in pieces as in the whole record, and reductions with others are not merged.
+#[test]
+fn parameters_at_a_value_are_those_of_the_identification() {
+    let (folder, recordings) = three();
+    let fixed = format!("[parameters]\nfix = {{ fv1 = 2.9 }}\n{SIGNAL}");
+    let expected = folder.experiment(&recordings.concat(), &fixed).run(folder.0.path(), &mut |_| {}).unwrap();
+    let own = recordings.each_ref().map(|r| folder.reduce(r, &fixed).unwrap());
+    let solved = Reduction::merge_all(own.clone()).unwrap().solve().unwrap().results;
+    assert_same(&solved, &expected, EQUAL);
+    assert_eq!((solved.fixed_parameters["fv1"], parameters(&solved).len()), (2.9, 3));
+    let other = folder.reduce(&recordings[1], SIGNAL).unwrap();
+    assert!(matches!(own[0].clone().merge(other), Err(ReductionError::Unlike { .. })));
+}
+
+/// What the checks find in samples is kept, merged and judged, and what they need all samples for is listed.
+#[test]
+fn findings_travel_through_the_file_to_the_verdict() {
+    let (folder, recordings) = three();
+    let text = folder.0.text("a.csv");
+    let negate = |line: &str| {
+        let values: Vec<&str> = line.split(',').collect();
+        values[2].parse::<f64>().map_or(line.to_owned(), |tau| format!("{},{},{}", values[0], values[1], -tau))
+    };
+    folder.0.write("negated.csv", text.lines().map(|line| negate(line) + "\n").collect::<String>());
+    let negated = recording("negated.csv", "");
+    let identified = folder.experiment(&negated, SIGNAL).run(folder.0.path(), &mut |_| {}).unwrap();
+    assert_eq!(identified.verdict, Some(Verdict::DoNotUse));
+    let reduction = folder.reduce(&negated, SIGNAL).unwrap();
+    reduction.write(&folder.0.at("negated.reduction")).unwrap();
+    let read = Reduction::read(&folder.0.at("negated.reduction")).unwrap();
+    let solved = read.solve().unwrap().results;
+    let reasons = |r: &Results| r.verdict_reasons.iter().map(|r| (r.code, r.verdict)).collect::<Vec<_>>();
+    assert_eq!((solved.verdict, reasons(&solved)), (identified.verdict, reasons(&identified)));
+    assert_eq!((&solved.findings, solved.not_examined.len()), (&identified.findings, 0));
+    let merged = reduction.merge(folder.reduce(&recordings[1], SIGNAL).unwrap()).unwrap().solve().unwrap().results;
+    assert_eq!(merged.verdict, Some(Verdict::DoNotUse));
+    let missing: Vec<ReasonCode> = merged.not_examined.iter().map(|n| n.code).collect();
+    assert_eq!(missing, [ReasonCode::RecordingsDisagree]);
+    let together = folder.reduce(&(negated + &recordings[1]), SIGNAL).unwrap().solve().unwrap().results;
+    assert!(together.not_examined.is_empty() && together.verdict == Some(Verdict::DoNotUse));
 }
 
 /// Torques that hold are centred in pieces as in the whole record; the same samples are known again, held or not.
@@ -268,7 +320,8 @@ fn masked_reductions_are_merged() {
     let own = recordings.each_ref().map(|r| folder.reduce(r, &signal).unwrap());
     let merged = Reduction::merge_all(own).unwrap();
     assert_same(&merged.solve().unwrap().results, &expected, EQUAL);
-    let counted: f64 = merged.recordings.iter().flat_map(|r| &r.segments).map(|s| s.counted[0]).sum();
+    let counted: f64 =
+        merged.recordings.iter().flat_map(|r| r.kept.segments().into_owned()).map(|s| s.counted[0]).sum();
     let rows: usize = merged.recordings.iter().map(|r| r.rows).sum();
     assert!(counted > 0.5 * rows as f64 && counted < 0.95 * rows as f64, "{counted} of {rows}");
 }

@@ -252,6 +252,7 @@ fn results() -> Results {
         title: TITLE.to_owned(),
         verdict: Some(Verdict::DoNotUse),
         verdict_reasons: vec![reason()],
+        not_examined: Vec::new(),
         robot_joints: vec![
             joint("shoulder", JointKind::Revolute, ["rad", "N m"]),
             joint("elbow", JointKind::Prismatic, ["m", "N"]),

@@ -8,7 +8,7 @@ use thetahat::{
     identification::Status,
     preparation::{Mask, NamedMask, StatedMask},
     reduction::{ReduceOptions, Reduction},
-    results::{ParameterResult, RunResult},
+    results::{ParameterResult, RunResult, VerdictReason},
 };
 use thetahat_testing::{Folder, ensure};
 
@@ -18,6 +18,8 @@ const EQUAL: f64 = 1e-9;
 const EQUAL_IV: f64 = 1e-8;
 /// Simulated in pieces or as a whole, with other steps of the integration, in standard deviations: 0.0096 were found.
 const IV_IN_PIECES: f64 = 0.02;
+/// Between ends of intervals, relative to their width, where the rows are kept.
+const EQUAL_INTERVALS: f64 = 1e-5;
 /// The same between reductions of one record: rounding of filters that start elsewhere, through two derivatives.
 const EQUAL_PIECES: f64 = 5e-10;
 
@@ -74,9 +76,13 @@ fn equals_identify(mut experiment: Experiment) -> Result<(), Failed> {
     ensure(solved.decimated_rows == results.decimated_rows, "as many rows")?;
     same_mask(&solved, &results)?;
     same(&solved.runs[0], expected, EQUAL)?;
+    same_intervals(&solved.runs[0], expected)?;
+    same_verdict(&solved, &results)?;
     for piece_samples in [100, 3000, 8191] {
         let pieces = reduce(&experiment, 2, piece_samples).solve()?.results;
         same(&pieces.runs[0], &solved.runs[0], EQUAL_PIECES)?;
+        same_intervals(&pieces.runs[0], expected)?;
+        same_verdict(&pieces, &results)?;
         for (p, s) in pieces.runs[0].parameters.iter().zip(&solved.runs[0].parameters) {
             let [a, b] = [p, s].map(|p| p.standard_deviation_robust.unwrap());
             close(a, b, b, 1e-6, &format!("robust sd of {}", s.name))?;
@@ -85,7 +91,28 @@ fn equals_identify(mut experiment: Experiment) -> Result<(), Failed> {
     Ok(())
 }
 
-/// What is told of samples near rest and of torques that hold.
+fn same_intervals(found: &RunResult, expected: &RunResult) -> Result<(), Failed> {
+    for (f, e) in found.parameters.iter().zip(&expected.parameters) {
+        let ([low, high], [from, to]) = (f.interval_95.ok_or("no interval")?, e.interval_95.ok_or("no interval")?);
+        close(low, from, to - from, EQUAL_INTERVALS, &format!("lower end of {}", e.name))?;
+        close(high, to, to - from, EQUAL_INTERVALS, &format!("upper end of {}", e.name))?;
+    }
+    Ok(())
+}
+
+/// The verdict with its reasons, and what cross-validation says.
+fn same_verdict(found: &Results, expected: &Results) -> Result<(), Failed> {
+    let about = |r: &VerdictReason| (r.code, r.verdict, r.concerned.clone());
+    let [f, e] = [found, expected].map(|r| r.verdict_reasons.iter().map(about).collect::<Vec<_>>());
+    ensure(
+        found.verdict == expected.verdict && f == e,
+        format!("{:?} {f:?} against {:?} {e:?}", found.verdict, expected.verdict),
+    )?;
+    let unseen = |r: &Results| r.runs[0].cross_validation_relative_error_percent.ok_or("no cross-validation");
+    close(unseen(found)?, unseen(expected)?, unseen(expected)?, 1e-7, "cross-validation")
+}
+
+/// The masks near rest, and how long torques hold.
 fn same_mask(found: &Results, expected: &Results) -> Result<(), Failed> {
     for (f, e) in found.recordings.iter().zip(&expected.recordings) {
         ensure(f.torque_hold_s == e.torque_hold_s, "as long a hold")?;

@@ -23,15 +23,15 @@ const CROSS_VALIDATION: f64 = 2.0;
 const CROSS_VALIDATION_FAR: f64 = 30.0;
 /// The error of what was left out, percent of the torque, from which an estimate that fits twice as well is not to be used.
 const USELESS_PERCENT: f64 = 50.0;
-/// Change of an estimate without one part of the record, in its deviations with correlated errors, from which that part decides.
+/// Change of an estimate without one part of the recording, in its deviations with correlated errors, from which that part decides.
 /// Clean: 2.2 (UR10), 1.6 (TX40); the KUKA has 34, and care.
 const INFLUENCE: f64 = 4.0;
-/// Correlation of neighbouring rows of white noise behind the parallel filter, and how many deviations of it, one over the root of
+/// Correlation of neighbouring rows of white noise after the parallel filter, and how many deviations of it, one over the root of
 /// the rows of a joint, a residual may have more. Twins of the model have 0.1 to 0.25 where 0.28 to 0.33 is the limit; every
 /// recorded robot has 0.65 to 0.97, and care.
 const WHITE: f64 = 0.23;
 const MORE_DEVIATIONS: f64 = 2.0;
-/// Standard deviations by which a simulated error moves an estimate, from which it is told: half of its 95 % interval.
+/// Standard deviations by which a simulated error moves an estimate, from which it is reported: half of its 95 % interval.
 const MORE_THAN_INTERVAL: f64 = 2.0;
 
 pub(super) fn reasons(results: &Results) -> Vec<VerdictReason> {
@@ -73,7 +73,7 @@ fn joint_name(results: &Results, joint: usize) -> String {
 struct NotExplained {
     joint: usize,
     error_percent: Option<f64>,
-    /// None where there are no rows to test.
+    /// None if there are no rows to test.
     test: Option<Explained>,
 }
 
@@ -110,7 +110,7 @@ fn by_test(run: &RunResult, joints: &[JointResidual]) -> Vec<NotExplained> {
     joints.iter().filter_map(by_chance).collect()
 }
 
-/// Where the rows are not at hand: estimates from a reduction.
+/// Estimates from triangular factors, whose rows are not in time order.
 fn by_error(run: &RunResult) -> Vec<NotExplained> {
     let errors = run.joint_relative_error_percent.iter().enumerate();
     let large = |(j, error): (usize, &Option<f64>)| {
@@ -128,7 +128,8 @@ fn is_too_short(error_percent: Option<f64>) -> bool {
 fn nothing_explained(run: &RunResult, first: &NotExplained) -> VerdictReason {
     let error = run.relative_error_percent;
     let said = if is_too_short(error) {
-        let seen = format!("The rows are too few to tell what {} explains of the torques from chance", run.method);
+        let seen =
+            format!("The rows are too few to distinguish what {} explains of the torques from chance", run.method);
         ReasonText::new(seen, RECORD_LONGER)
     } else {
         let seen = format!(
@@ -144,8 +145,10 @@ fn nothing_explained(run: &RunResult, first: &NotExplained) -> VerdictReason {
 fn joint_not_explained(results: &Results, run: &RunResult, found: &NotExplained) -> VerdictReason {
     let (name, label) = (joint_name(results, found.joint), results.joint_label(found.joint - 1));
     let said = if is_too_short(found.error_percent) {
-        let seen =
-            format!("The rows of {label} are too few to tell what {} explains of its torque from chance", run.method);
+        let seen = format!(
+            "The rows of {label} are too few to distinguish what {} explains of its torque from chance",
+            run.method
+        );
         ReasonText::new(seen, RECORD_LONGER)
     } else {
         let seen = format!(
@@ -220,7 +223,7 @@ fn cross_validation(results: &Results, run: &RunResult) -> Option<VerdictReason>
     (ratio > CROSS_VALIDATION).then(|| reason(ReasonCode::CrossValidation, verdict, &numbers, of_method(run), said))
 }
 
-/// What no robot has: one reason for parameters that are negative alike, and one for links.
+/// What is physically impossible: one reason for parameters that are negative alike, and one for links.
 fn not_physical(results: &Results, run: &RunResult) -> Vec<VerdictReason> {
     let findings = run.physical.iter().flat_map(|p| &p.findings);
     let mut groups: Vec<(Verdict, Vec<&Finding>)> = Vec::new();
@@ -326,7 +329,7 @@ fn largest_hidden_bias(results: &Results, run: &RunResult) -> Option<String> {
     Some(format!(": {error} alone may have moved {} by {shift} {} ({of_it:.0} %)", parameter.name, parameter.unit))
 }
 
-/// What finds out what the model lacks, by what was tried already. Torques that are held are told of by the lag that they have.
+/// What finds out what the model lacks, by what was tried already. Torques that are held show by their lag.
 fn missing_remedy(results: &Results) -> String {
     let look = "look at the residual over velocity, position and load in the report";
     let Some(comparison) = &results.term_comparison else {

@@ -38,7 +38,7 @@ fn of_recording(results: &Results, recording: &RecordingFindings) -> Vec<Verdict
     all.iter().map(reason).collect()
 }
 
-/// The rule of a finding, and what it demands; none where it says nothing of the estimate.
+/// The rule of a finding, and what it demands; none if it does not concern the estimate.
 fn demanded(finding: &Finding, held_back: bool) -> Option<(ReasonCode, Verdict)> {
     let disagree = finding.code == Code::RecordingsContradict;
     let is_lag = finding.code == Code::Lag;

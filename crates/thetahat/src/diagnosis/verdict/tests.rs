@@ -107,7 +107,7 @@ fn judged(change: impl FnOnce(&mut Results)) -> (Verdict, Vec<ReasonCode>) {
 }
 
 /// The run whose numbers are taken.
-fn taken(change: impl FnOnce(&mut RunResult)) -> (Verdict, Vec<ReasonCode>) {
+fn judged_with(change: impl FnOnce(&mut RunResult)) -> (Verdict, Vec<ReasonCode>) {
     judged(|results| change(&mut results.runs[1]))
 }
 
@@ -212,7 +212,7 @@ fn a_method_whose_simulator_nothing_tests_asks_for_care() {
 #[test]
 fn a_joint_and_a_robot_that_are_not_explained_are_not_used() {
     let joints = |all: Vec<JointResidual>| {
-        taken(|run| run.residual = Some(ResidualResult { joints: all, homoscedasticity: None }))
+        judged_with(|run| run.residual = Some(ResidualResult { joints: all, homoscedasticity: None }))
     };
     let one = joints(vec![joint(1, 1e-30, None), joint(2, 0.3, Some(1.0))]);
     assert_eq!(one, do_not_use(ReasonCode::JointNotExplained));
@@ -233,7 +233,7 @@ fn few_rows_are_no_fault_of_the_column() {
         assert_eq!(judge(&mut results), Verdict::DoNotUse);
         results.verdict_reasons[0].text.clone()
     };
-    assert!(text(0.3).contains("are too few to tell"), "{}", text(0.3));
+    assert!(text(0.3).contains("are too few to distinguish"), "{}", text(0.3));
     assert!(text(0.3).ends_with("record longer, or estimate fewer parameters."), "{}", text(0.3));
     assert!(text(98.0).contains("no better than a constant does, and leaves 98 % of it"), "{}", text(98.0));
 }
@@ -252,7 +252,7 @@ fn without_rows_the_error_of_a_joint_decides() {
 
 #[test]
 fn a_joint_of_which_much_is_left_asks_for_care() {
-    let with = |percent| taken(|run| run.joint_relative_error_percent[1] = Some(percent));
+    let with = |percent| judged_with(|run| run.joint_relative_error_percent[1] = Some(percent));
     assert_eq!(with(50.1), care(ReasonCode::JointPoorlyExplained));
     assert_eq!(with(49.9).0, Verdict::Good);
 }
@@ -265,11 +265,11 @@ fn a_joint_that_is_predicted_worse_than_by_zero_is_not_used() {
 
 #[test]
 fn cross_validation_above_the_fit_asks_for_care_and_far_above_for_more() {
-    let with = |unseen| taken(|run| run.cross_validation_relative_error_percent = Some(unseen));
+    let with = |unseen| judged_with(|run| run.cross_validation_relative_error_percent = Some(unseen));
     assert_eq!(with(9.9).0, Verdict::Good);
     assert_eq!(with(10.1), care(ReasonCode::CrossValidation));
     assert_eq!(with(50.1), do_not_use(ReasonCode::CrossValidation));
-    let large = taken(|run| {
+    let large = judged_with(|run| {
         (run.relative_error_percent, run.cross_validation_relative_error_percent) = (Some(22.0), Some(51.0));
     });
     assert_eq!(large, do_not_use(ReasonCode::CrossValidation));
@@ -278,7 +278,7 @@ fn cross_validation_above_the_fit_asks_for_care_and_far_above_for_more() {
 #[test]
 fn what_no_robot_has_is_not_used_where_the_interval_can_be_believed() {
     let with = |severity, autocorrelation| {
-        taken(|run| {
+        judged_with(|run| {
             run.residual.as_mut().unwrap().joints[1].autocorrelation = autocorrelation;
             run.physical = Some(PhysicalResult {
                 consistent: false,
@@ -302,7 +302,9 @@ fn what_no_robot_has_is_not_used_where_the_interval_can_be_believed() {
 #[test]
 fn a_part_that_decides_asks_for_care() {
     let with = |change| {
-        taken(|run| run.influence = Some(Influence { part: "move 3".to_owned(), parameter: "fv1".to_owned(), change }))
+        judged_with(|run| {
+            run.influence = Some(Influence { part: "move 3".to_owned(), parameter: "fv1".to_owned(), change })
+        })
     };
     assert_eq!(with(-4.1), care(ReasonCode::Influence));
     assert_eq!(with(3.9).0, Verdict::Good);
@@ -310,7 +312,7 @@ fn a_part_that_decides_asks_for_care() {
 
 #[test]
 fn a_residual_that_is_no_noise_asks_for_care() {
-    let with = |r1| taken(|run| run.residual.as_mut().unwrap().joints[0].autocorrelation = r1);
+    let with = |r1| judged_with(|run| run.residual.as_mut().unwrap().joints[0].autocorrelation = r1);
     assert_eq!(with(0.6), care(ReasonCode::CorrelatedResidual));
     assert_eq!(with(0.4).0, Verdict::Good);
 }

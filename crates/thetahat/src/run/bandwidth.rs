@@ -1,13 +1,13 @@
-use super::{error::PreparationError, setup::Setup};
+use crate::preparation::{PreparationError, Setup};
 use thetahat_estimation::signal::{Decimator, minus_3_db_bandwidth_hz};
 use thetahat_report::results::Bandwidth;
 
-/// Length, in periods of the cut-off, of the record through which bandwidths are measured.
+/// Length, in periods of the cut-off, of the recording through which bandwidths are measured.
 const PROBE_PERIODS: f64 = 200.0;
 
 impl Setup<'_> {
-    /// Sends an impulse through the filters as they are used on the record, and measures where they are 3 dB down.
-    pub(crate) fn measure_bandwidth(&self, sample_rate_hz: f64) -> Result<Bandwidth, PreparationError> {
+    /// Sends an impulse through the filters as they are used on the recording, and measures where they are 3 dB down.
+    pub(super) fn measure_bandwidth(&self, sample_rate_hz: f64) -> Result<Bandwidth, PreparationError> {
         let options = &self.settings.signal;
         let decimation_cutoff_hz = 0.8 * 0.5 * sample_rate_hz / options.decimation as f64;
         let length = |cutoff: f64| (PROBE_PERIODS * sample_rate_hz / cutoff).ceil() as usize;

@@ -1,8 +1,8 @@
 //! Variances from the scores of stretches of time: errors may be correlated in any way within a stretch, and between the
 //! joints, and are taken to be independent from one stretch to the next.
 
-use thetahat_estimation::{
-    identification::EstimationError,
+use super::{fit::EstimationError, uncertainty::Uncertainty};
+use crate::{
     regression::{InstrumentalVariables, Regression},
     statistics::EstimatedVariance,
 };
@@ -10,6 +10,21 @@ use thetahat_ground::linear_algebra::{Matrix, PivotedQr};
 
 /// Least part of its own errors that a stretch is taken to leave in its residual.
 const LEAST_LEFT: f64 = 0.01;
+
+/// Standard deviations and intervals of the estimate theta from the variances that the scores of the stretches of time give;
+/// z as in an IV fit.
+///
+/// # Errors
+/// [`EstimationError::TooFewRows`] for fewer than two stretches, and where there is no finite interval.
+#[doc(hidden)]
+pub fn uncertainty_of_stretches(
+    regression: &Regression,
+    z: Option<&Matrix>,
+    theta: &[f64],
+) -> Result<Uncertainty, EstimationError> {
+    let residual = regression.residual(&regression.x.times(theta));
+    Uncertainty::new(theta, &cluster_variances(regression, z, &residual)?)
+}
 
 /// The variance of each parameter of an IV fit with instruments z, with its degrees of freedom; without any of a least
 /// squares fit.
@@ -24,7 +39,7 @@ const LEAST_LEFT: f64 = 0.01;
 ///
 /// # Errors
 /// [`EstimationError::TooFewRows`] for fewer than two stretches.
-pub(super) fn cluster_variances(
+fn cluster_variances(
     regression: &Regression,
     z: Option<&Matrix>,
     residual: &[f64],
@@ -94,14 +109,14 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
 
-    use super::super::factors::{Accumulator, JointColumns};
     use super::*;
-    use thetahat_estimation::{
+    use crate::{
         identification::idim_ls,
         regression::{BlockKey, RowLayout},
-        signal::Decimator,
     };
-    use thetahat_ground::series::Series;
+
+    /// Stretches of a recording, of which none is shorter than sixteen rows.
+    const STRETCHES: usize = 32;
 
     /// Percentage of 95 % intervals that contain the true value, with errors autoregressive of the first order; each
     /// trial has its own errors.
@@ -119,18 +134,16 @@ mod tests {
                 values.extend((0..columns).map(|j| wave(k, j)));
                 values.push(error);
             }
-            let channels = JointColumns { channels: vec![(0..=columns).collect()], mask: None };
-            let decimator = Decimator::new(1, rows).unwrap();
-            let mut accumulator = Accumulator::new(channels, &decimator);
-            accumulator.take(&Series::shaped(columns + 1, values));
-            let (mut parts, mut y, mut layout) = (Vec::new(), Vec::new(), RowLayout::empty(1, 1));
-            for (g, stretch) in accumulator.finish().iter().enumerate() {
-                let factor = &stretch.factors[0];
-                parts.push(factor.select_columns(&(0..columns).collect::<Vec<_>>()));
-                y.extend_from_slice(factor.column(columns));
-                layout.push(BlockKey { joint: 0, recording: 0, stretch: g }, factor.rows());
+            let x = Matrix::from_fn(rows, columns, |k, c| values[k * (columns + 1) + c]);
+            let y = (0..rows).map(|k| values[k * (columns + 1) + columns]).collect();
+            let mut length = 16;
+            while rows.div_ceil(length) > STRETCHES {
+                length *= 2;
             }
-            let x = Matrix::stack(&parts.iter().collect::<Vec<_>>());
+            let mut layout = RowLayout::empty(1, 1);
+            (0..rows.div_ceil(length)).for_each(|g| {
+                layout.push(BlockKey { joint: 0, recording: 0, stretch: g }, length.min(rows - g * length))
+            });
             let regression = Regression::new(x, y, layout);
             let fit = idim_ls(&regression, Default::default()).unwrap();
             let residual = regression.residual(&fit.prediction);
