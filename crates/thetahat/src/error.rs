@@ -52,8 +52,6 @@ pub enum Error {
     Lock(#[from] LockError),
     /// A recording cannot be read.
     Recording(#[from] RecordingError),
-    /// Arrays are no series.
-    Series(#[from] SeriesError),
     /// A unit is not known.
     Unit(#[from] UnknownUnit),
     /// Values are no series.
