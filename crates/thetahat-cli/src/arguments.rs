@@ -8,7 +8,7 @@ use clap::{
 use clap_complete::Shell;
 use thetahat::{
     Method,
-    export::Format,
+    export::ExportFormat,
     recording::{Side, Unit},
     symbolic::{DriveTorques, Language, ModelKind},
 };
@@ -456,7 +456,7 @@ pub struct Exported {
     pub results: PathBuf,
     /// The format
     #[arg(long, value_name = "FORMAT", value_parser = format())]
-    pub to: Format,
+    pub to: ExportFormat,
     /// The method whose parameters are used [default: the recommended method]
     #[arg(long, value_parser = method())]
     pub method: Option<Method>,
@@ -547,8 +547,8 @@ pub struct Predict {
 }
 
 /// The formats of exports by their names.
-fn format() -> impl TypedValueParser<Value = Format> {
-    PossibleValuesParser::new(Format::ALL.map(Format::name)).try_map(|name| name.parse::<Format>())
+fn format() -> impl TypedValueParser<Value = ExportFormat> {
+    PossibleValuesParser::new(ExportFormat::ALL.map(ExportFormat::name)).try_map(|name| name.parse::<ExportFormat>())
 }
 
 /// The methods by their names, which help and completions list.

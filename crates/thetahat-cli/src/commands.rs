@@ -67,7 +67,7 @@ fn check_experiment(check: &Check) -> Result<Ending, Box<dyn Error>> {
 /// Compares the errors of the estimates with the experiment's filter and others, if there are estimates.
 fn compare_filters(experiment: &Experiment, data: &Path) -> Result<(), Box<dyn Error>> {
     let progress = Progress::of("comparing filters on a simulated twin of the recording");
-    let choice = experiment.choose_filter(data, true, threads(None));
+    let choice = experiment.choose_filter(data, Some(experiment.settings.signal.filter()), threads(None));
     drop(progress);
     Ok(choice.iter().try_for_each(|choice| print(&report::filter_text(choice, width())))?)
 }

@@ -8,7 +8,7 @@ use std::{
 
 use thetahat::{
     experiment::{EstimateRequest, ExperimentError, IdentifiedRobot},
-    export::{ExportError, Format, IdentifiedModel, MjcfModel, Target},
+    export::{ExportError, ExportFormat, IdentifiedModel, MjcfModel, Target},
 };
 use thetahat_ground::output::{OutputGuard, remove_own, replace_file};
 
@@ -129,8 +129,8 @@ fn refuse_others(folder: &Path, count: u32, extension: &str) -> Result<(), Box<d
 fn model(request: &Exported) -> Result<Option<MjcfModel>, Box<dyn Error>> {
     match (&request.into, request.to) {
         (None, _) => Ok(None),
-        (Some(path), Format::Mjcf) => Ok(Some(MjcfModel::read(path)?)),
-        (Some(_), Format::Urdf | Format::Sdf | Format::Json) => {
+        (Some(path), ExportFormat::Mjcf) => Ok(Some(MjcfModel::read(path)?)),
+        (Some(_), ExportFormat::Urdf | ExportFormat::Sdf | ExportFormat::Json) => {
             Err("--into needs a MuJoCo model; use it with --to mjcf. A URDF of the robot is edited without --into"
                 .into())
         }

@@ -63,7 +63,7 @@ mod tests {
     #[test]
     fn there_and_back_is_the_same() {
         let matrix = Matrix::from_fn(3, 2, |i, j| (10 * i + j) as f64);
-        let series = Series::shaped(2, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        let series = Series::from_values(2, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).unwrap();
         assert_eq!(Matrix::from(faer::Mat::from(&matrix).as_ref()), matrix);
         assert_eq!(Matrix::from(&nalgebra::DMatrix::from(&matrix)), matrix);
         assert_eq!(Matrix::from(ndarray::Array2::from(&matrix).view()), matrix);

@@ -114,7 +114,7 @@ pub fn choose_filter(
     interruptible::run(py, None, move |_| {
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         let rate_hz = recordings.iter().map(|r| r.sample_rate_hz).fold(f64::INFINITY, f64::min);
-        let signal = match filter_choice::choose_filter(&robot, &settings, &recordings, false, threads) {
+        let signal = match filter_choice::choose_filter(&robot, &settings, &recordings, None, threads) {
             Ok(choice) => ProposedSignal::chosen(&choice),
             Err(filter_choice::FilterChoiceError::Preparation { source }) => return Err(PythonError::from(source)),
             Err(reason) => ProposedSignal::not_chosen(rate_hz, &reason.to_string()),

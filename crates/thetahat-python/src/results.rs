@@ -9,7 +9,7 @@ use pyo3::{prelude::*, types::PyBytes};
 use thetahat::{
     Experiment,
     experiment::EstimateRequest,
-    export::{Format, IdentifiedModel},
+    export::{ExportFormat, IdentifiedModel},
     identification::UnknownMethod,
     report::Published,
 };
@@ -138,7 +138,7 @@ impl Results {
         untrusted: bool,
         force: bool,
     ) -> PyResult<Vec<String>> {
-        let format: Format = format.parse().map_err(|e: String| PythonError::new("ResultsError", e))?;
+        let format: ExportFormat = format.parse().map_err(|e: String| PythonError::new("ResultsError", e))?;
         let method = method.map(str::parse).transpose().map_err(|e: UnknownMethod| PythonError::from(e))?;
         let request = EstimateRequest { method, untrusted, ..EstimateRequest::default() };
         py.detach(|| {

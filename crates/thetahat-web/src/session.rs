@@ -7,7 +7,7 @@ use serde::Serialize;
 use thetahat::{
     Experiment, Results,
     experiment::{EstimateRequest, propose},
-    export::{Format, IdentifiedModel},
+    export::{ExportFormat, IdentifiedModel},
     recording::{Contents, inspect_with_time},
     report::Published,
     robot::RobotSource,
@@ -166,7 +166,7 @@ impl Session {
         let results = Results::from_json(path, results)?;
         let request = EstimateRequest { untrusted, ..EstimateRequest::default() };
         let model = IdentifiedModel::of_results(path, &results, &request)?;
-        let format: Format = format.parse()?;
+        let format: ExportFormat = format.parse()?;
         Ok(serde_json::to_string(&Exported::of(&model, format)?)?)
     }
 

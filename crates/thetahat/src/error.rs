@@ -1,10 +1,7 @@
 //! One error over those of the modules.
 
 use crate::{
-    campaign::CampaignError,
-    design::DesignError,
     experiment::{ExperimentError, ProposalError},
-    export::ExportError,
     filter_choice::FilterChoiceError,
     preparation::PreparationError,
     reduction::ReductionError,
@@ -55,6 +52,8 @@ pub enum Error {
     Lock(#[from] LockError),
     /// A recording cannot be read.
     Recording(#[from] RecordingError),
+    /// Arrays are no series.
+    Series(#[from] SeriesError),
     /// A unit is not known.
     Unit(#[from] UnknownUnit),
     /// Values are no series.
@@ -88,13 +87,16 @@ pub enum Error {
     /// No experiment can be proposed.
     Proposal(#[from] ProposalError),
     /// A campaign cannot be read or run.
-    Campaign(#[from] CampaignError),
+    #[cfg(feature = "campaign")]
+    Campaign(#[from] crate::campaign::CampaignError),
     /// A recording cannot be reduced, or a reduction not solved.
     Reduction(#[from] ReductionError),
     /// No motion can be designed.
-    Design(#[from] DesignError),
+    #[cfg(feature = "design")]
+    Design(#[from] crate::design::DesignError),
     /// A robot cannot be exported.
-    Export(#[from] ExportError),
+    #[cfg(feature = "export")]
+    Export(#[from] crate::export::ExportError),
     /// Results cannot be read or written.
     Results(#[from] ResultsError),
     /// Results cannot be compared.

@@ -63,6 +63,9 @@
 //! [`Series`] and [`Matrix`] hold all arrays. Every error converts to [`enum@Error`]. Six programs are in the manual:
 //! `docs/manual/rust.md`.
 
+// What the modules that are left out would use.
+#![cfg_attr(not(all(feature = "campaign", feature = "design", feature = "export")), allow(dead_code, unused_imports))]
+
 /// A robot: its joints and transmission, from URDF or TOML, and the table of its standard parameters.
 pub mod robot {
     #[doc(inline)]
@@ -111,6 +114,7 @@ pub mod consistency {
 }
 
 /// Models as code in C, Rust, Python, MATLAB and LaTeX.
+#[cfg(feature = "symbolic")]
 pub mod symbolic {
     #[doc(inline)]
     pub use thetahat_model::symbolic::{
@@ -190,6 +194,7 @@ pub mod results {
 }
 
 /// Results as text, HTML, JSON and CSV.
+#[cfg(feature = "report")]
 pub mod report {
     #[doc(inline)]
     pub use thetahat_report::report::{Published, ReportError, card_text, file_names, model_text, render, write_all};
@@ -208,11 +213,14 @@ pub mod run;
 
 pub mod experiment;
 
+#[cfg(feature = "campaign")]
 pub mod campaign;
 
 pub mod reduction;
 
+#[cfg(feature = "design")]
 pub mod design;
+#[cfg(feature = "export")]
 pub mod export;
 
 mod error;

@@ -43,7 +43,7 @@ mod user_estimator;
 
 pub use assembly::Assembly;
 pub use essential::{Elimination, EliminationRule, eliminate, nested_f_test};
-pub use estimators::{Design, Method, Needs, Response, UnknownMethod, Weighting, didim, idim_iv, idim_ls};
+pub use estimators::{DesignMatrix, Method, Needs, Response, UnknownMethod, Weighting, didim, idim_iv, idim_ls};
 pub use fit::{Divisor, EstimationError, Fit, SimulatedResponse};
 pub use iteration::{Convergence, Estimation, IterationOptions, Revision, iterate};
 pub use joint_weights::JointWeights;

@@ -1,5 +1,5 @@
 use super::{
-    estimators::{Design, Method},
+    estimators::{DesignMatrix, Method},
     fit::{EstimationError, Fit},
 };
 use crate::{
@@ -35,8 +35,8 @@ pub fn uncertainty(
 ) -> Result<Uncertainty, EstimationError> {
     let influence = method.influence(regression, z)?;
     let design = match method.design() {
-        Design::Measured => &regression.x,
-        Design::Simulated => z.ok_or(EstimationError::NoInstruments)?,
+        DesignMatrix::Measured => &regression.x,
+        DesignMatrix::Simulated => z.ok_or(EstimationError::NoInstruments)?,
     };
     let residual = regression.residual(&fit.prediction);
     let rows = &regression.layout;

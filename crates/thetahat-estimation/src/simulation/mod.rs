@@ -52,7 +52,7 @@ pub use motion::{OutputGrid, SimulatedMotion};
 pub use noise::{Autoregression, NoisySignals, RecordingNoise, SignalNoise, random_numbers};
 pub use reference::{PeriodicReference, Reference, SampledReference};
 pub use rosenbrock_w::{Linearisation, RosenbrockW};
-pub use sensitivity::{Motors, Sample, SensitiveTo, Sensitivities};
+pub use sensitivity::{Motors, SensitiveTo, Sensitivities, SensitivitySample};
 pub use sensors::Sensors;
 pub use side_by_side::simulate_all;
 pub use solver::{Solver, WorkCounts};

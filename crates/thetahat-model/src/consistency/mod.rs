@@ -47,5 +47,5 @@ pub use guess::{completed_a_priori, mass_factor};
 pub use known::Known;
 pub use pseudo_inertia::{inertial_parameters, pseudo_inertia};
 pub use set::{Condition, ConsistentSet};
-pub use simulation::{SimulationOptions, nearest_to_simulate};
+pub use simulation::{InteriorOptions, nearest_to_simulate};
 pub use symmetric::Symmetric;

@@ -8,14 +8,14 @@ use thetahat_ground::linear_algebra::{Matrix, dot};
 
 /// Distance of simulation parameters from the boundary of the set.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SimulationOptions {
+pub struct InteriorOptions {
     /// Each pseudo-inertia matrix and motor inertia is at least this fraction of the a-priori one.
     pub interior: f64,
     /// Weight of the log-det divergence from the a-priori parameters, relative to `|R theta_hat|^2`.
     pub pull: f64,
 }
 
-impl Default for SimulationOptions {
+impl Default for InteriorOptions {
     fn default() -> Self {
         Self { interior: 0.3, pull: 1e-7 }
     }
@@ -37,7 +37,7 @@ pub fn nearest_to_simulate(
     base: &BaseParameters,
     r: &Matrix,
     estimate: &[f64],
-    options: &SimulationOptions,
+    options: &InteriorOptions,
     before: Option<&ConsistentFit>,
 ) -> Result<ConsistentFit, ConsistencyError> {
     let set = set.clone().with_interior(options.interior)?;

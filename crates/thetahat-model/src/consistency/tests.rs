@@ -316,7 +316,7 @@ fn parameters_to_simulate_keep_their_margin_and_start_from_those_before() {
     let estimate: Vec<f64> =
         base.from_standard(set.a_priori()).iter().enumerate().map(|(i, v)| v + 0.05 * (i as f64).sin()).collect();
     let r = mixing(base.len());
-    let options = SimulationOptions::default();
+    let options = InteriorOptions::default();
     let cold = nearest_to_simulate(&set, &base, &r, &estimate, &options, None).unwrap();
     let warm = nearest_to_simulate(&set, &base, &r, &estimate, &options, Some(&cold)).unwrap();
     assert!(cold.converged && warm.converged);
@@ -324,7 +324,7 @@ fn parameters_to_simulate_keep_their_margin_and_start_from_those_before() {
     let least = |(p, p0): (&Symmetric, &Symmetric)| p.plus(p0, -0.3).smallest_eigenvalue();
     let pairs = set.pseudo_inertias(&cold.standard);
     assert!(pairs.iter().zip(&set.pseudo_inertias(set.a_priori())).map(least).all(|m| m > 0.0));
-    let bad = SimulationOptions { interior: 1.0, ..options };
+    let bad = InteriorOptions { interior: 1.0, ..options };
     let error = nearest_to_simulate(&set, &base, &r, &estimate, &bad, None).unwrap_err();
     assert!(matches!(error, ConsistencyError::BadValue { .. }));
 }
@@ -413,7 +413,7 @@ fn assert_simulatable(robot: &Robot, noise: f64) {
     let set = set_of(robot);
     let (base, r, estimate) = noisy_estimate(robot, &set, noise);
     assert!(!examine(&set, &base, &estimate).unwrap().consistent);
-    let options = SimulationOptions::default();
+    let options = InteriorOptions::default();
     let found = nearest_to_simulate(&set, &base, &r, &estimate, &options, None).unwrap();
     assert!(found.converged);
     let model = Model::new(robot);

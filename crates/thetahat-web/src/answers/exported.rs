@@ -1,7 +1,7 @@
 //! The identified robot as a file.
 
 use serde::Serialize;
-use thetahat::export::{Format, IdentifiedModel};
+use thetahat::export::{ExportFormat, IdentifiedModel};
 
 use crate::session::Outcome;
 
@@ -16,7 +16,7 @@ pub(crate) struct Exported {
 }
 
 impl Exported {
-    pub(crate) fn of(model: &IdentifiedModel, format: Format) -> Outcome<Self> {
+    pub(crate) fn of(model: &IdentifiedModel, format: ExportFormat) -> Outcome<Self> {
         let export = model.export(format)?;
         Ok(Self {
             covariance: model.covariance_json_or_reason()?.ok(),

@@ -23,7 +23,7 @@ use thetahat::{
     Robot,
     consistency::completed_a_priori,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
-    export::{Export, Format, MjcfModel, Target, export_robot},
+    export::{Export, ExportFormat, MjcfModel, Target, export_robot},
     robot::{Parameter, Quantity, RobotSource},
     symbolic::{DriveTorques, Function, Language, ModelKind, ParameterSet, Request},
 };
@@ -63,17 +63,17 @@ fn export(file: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {
     let robot = if source.urdf_text().is_some() { source.robot_without_transmission()? } else { source.robot()? };
     let parameters = parameters(&robot);
     let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    for format in [Format::Urdf, Format::Mjcf, Format::Sdf] {
+    for format in [ExportFormat::Urdf, ExportFormat::Mjcf, ExportFormat::Sdf] {
         let export = export_robot(&robot, source.urdf_text(), &parameters, format, &[])?;
         write(&export, &folder.join(format!("{name}.{}", format.extension())))?;
         match format {
-            Format::Urdf => fs::write(folder.join(format!("{name}_derivatives.py")), derivatives(&export)?)?,
-            Format::Mjcf => {
+            ExportFormat::Urdf => fs::write(folder.join(format!("{name}_derivatives.py")), derivatives(&export)?)?,
+            ExportFormat::Mjcf => {
                 let model = MjcfModel::from_text(users_mjcf(&export.text), Path::new("the user's model"));
                 let into = export_robot(&robot, None, &parameters, Target::Into(&model), &[])?;
                 write(&into, &folder.join(format!("{name}_into_a_users_own.xml")))?;
             }
-            Format::Sdf | Format::Json => {}
+            ExportFormat::Sdf | ExportFormat::Json => {}
         }
     }
     Ok(())

@@ -4,7 +4,7 @@ use super::{
     evidence::Evidence,
     sentences::{on_contradictions, on_estimates, on_simulator},
 };
-use thetahat_estimation::identification::{Design, Method, Needs};
+use thetahat_estimation::identification::{DesignMatrix, Method, Needs};
 use thetahat_report::results::{Advice, CaseDiagnosis, Comparison, RecordingFindings, RunResult};
 
 /// The advice for one case, from its runs and its diagnosis.
@@ -28,7 +28,7 @@ fn advice(evidence: &Evidence<'_>) -> Advice {
 /// Whether a method that was run is not to be trusted.
 fn distrusts(evidence: &Evidence<'_>, method: Method) -> bool {
     let is_ls = method.needs() == Needs::Measurement;
-    let is_didim = method.needs() != Needs::Measurement && method.design() == Design::Simulated;
+    let is_didim = method.needs() != Needs::Measurement && method.design() == DesignMatrix::Simulated;
     let by_ls = is_ls && evidence.ls_differs().is_some();
     let by_instruments = !is_ls && evidence.weak().is_some();
     let by_simulator = is_didim && evidence.verdict().is_some_and(Comparison::distrusts);

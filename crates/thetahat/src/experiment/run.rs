@@ -12,7 +12,7 @@ use crate::{
     run::{Identification, check_recordings, examine_robot},
 };
 use thetahat_ground::pool::available_threads;
-use thetahat_report::results::{FilterChoice, RecordingFindings, Results, Sensitivity};
+use thetahat_report::results::{Filter, FilterChoice, RecordingFindings, Results, Sensitivity};
 
 impl Experiment {
     /// Runs every case and method. `data` is the folder against which the paths of the data are resolved; `progress` receives what is being done.
@@ -97,14 +97,19 @@ impl Experiment {
         Ok(of_robot.chain(of_recordings.map_err(|e| self.refuse(e))?).collect())
     }
 
-    /// The filter that is best for the estimates from the recordings, compared with the experiment's own if `own` is true. The
-    /// result does not depend on the number of `threads`.
+    /// The filter that is best for the estimates from the recordings, compared with a grid of others and with
+    /// `also`. The result does not depend on the number of `threads`.
     ///
     /// # Errors
     /// [`ExperimentError`] for input that cannot be used, and where no filter gives an estimate.
-    pub fn choose_filter(&self, data: &Path, own: bool, threads: usize) -> Result<FilterChoice, ExperimentError> {
+    pub fn choose_filter(
+        &self,
+        data: &Path,
+        also: Option<Filter>,
+        threads: usize,
+    ) -> Result<FilterChoice, ExperimentError> {
         let recordings = self.recordings(data)?;
-        choose_filter(&self.robot, &self.settings, &recordings, own, threads)
+        choose_filter(&self.robot, &self.settings, &recordings, also, threads)
             .map_err(|source| ExperimentError::Filter { path: self.path.clone(), source })
     }
 

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{
     error::ExportError,
-    format::Format,
+    format::ExportFormat,
     mjcf::{self, MjcfModel},
     read_back::{Kinematics, robot_of},
     render::Export,
@@ -41,13 +41,13 @@ impl Export {
     /// file cannot be read, [`ExportError::OtherJoints`], and [`ExportError::RoundTrip`] for a difference above 1e-9.
     pub fn check(&self) -> Result<f64, ExportError> {
         match self.format {
-            Format::Urdf => compare(&self.represented, &read_back(&self.text, &self.represented.robot)?),
-            Format::Mjcf => compare(&self.represented, &self.read_model()?),
-            Format::Sdf => {
+            ExportFormat::Urdf => compare(&self.represented, &read_back(&self.text, &self.represented.robot)?),
+            ExportFormat::Mjcf => compare(&self.represented, &self.read_model()?),
+            ExportFormat::Sdf => {
                 let links = sdf_read::read(&self.text, &self.represented)?;
                 compare(&self.represented, &robot_of(&self.represented, &links, &[], Kinematics::File))
             }
-            Format::Json => Err(ExportError::NoReader { format: self.format }),
+            ExportFormat::Json => Err(ExportError::NoReader { format: self.format }),
         }
     }
 

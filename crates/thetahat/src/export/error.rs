@@ -4,7 +4,7 @@ use crate::experiment::ExperimentError;
 use thetahat_estimation::identification::Method;
 use thetahat_model::{consistency::ConsistencyError, robot::RobotError};
 
-use super::{format::Format, mjcf::MjcfError};
+use super::{format::ExportFormat, mjcf::MjcfError};
 
 /// Why a robot is not exported.
 #[derive(Debug, thiserror::Error)]
@@ -73,7 +73,7 @@ pub enum ExportError {
     #[error("{} is not read back: it holds the parameters as they are, and nothing is to be checked", format.title())]
     NoReader {
         /// The format.
-        format: Format,
+        format: ExportFormat,
     },
     /// What was read back lacks something.
     #[error("the export read back has no {missing}; please report this with the robot description")]

@@ -2,7 +2,7 @@ use std::{fmt, str::FromStr};
 
 /// A format of exported robots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Format {
+pub enum ExportFormat {
     /// URDF, as ROS, Pinocchio and Drake read it: the robot's own file with its inertias and friction replaced, or a new one.
     Urdf,
     /// MJCF, MuJoCo's.
@@ -13,7 +13,7 @@ pub enum Format {
     Json,
 }
 
-impl Format {
+impl ExportFormat {
     /// Every format.
     pub const ALL: [Self; 4] = [Self::Urdf, Self::Mjcf, Self::Sdf, Self::Json];
 
@@ -51,13 +51,13 @@ impl Format {
     }
 }
 
-impl fmt::Display for Format {
+impl fmt::Display for ExportFormat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }
 }
 
-impl FromStr for Format {
+impl FromStr for ExportFormat {
     type Err = String;
 
     fn from_str(name: &str) -> Result<Self, Self::Err> {

@@ -6,7 +6,7 @@ use super::{
     choice::Kept,
     error::ExportError,
     posterior::Posterior,
-    provenance::{MovedParameter, Provenance, moved},
+    provenance::{AdjustedParameter, Provenance, moved},
     render::{Export, Target, export_robot},
     xml::number,
 };
@@ -24,7 +24,7 @@ pub struct IdentifiedModel {
     /// Its standard parameters, SI, in the order of its table: physically consistent.
     pub standard: Vec<f64>,
     /// The base parameters that are not at their estimates, those moved most first.
-    pub moved: Vec<MovedParameter>,
+    pub moved: Vec<AdjustedParameter>,
     kept: Kept,
     pub(super) posterior: Posterior,
 }
@@ -115,7 +115,7 @@ impl IdentifiedModel {
         if self.moved.is_empty() {
             return Some("every base parameter is at its estimate".to_owned());
         }
-        let one = |m: &MovedParameter| {
+        let one = |m: &AdjustedParameter| {
             let far = m.deviations.map_or_else(String::new, |d| format!(" ({d:+.2} standard deviations)"));
             format!("{} {} instead of {} {}{far}", m.name, digits(m.exported), digits(m.estimate), m.unit)
         };

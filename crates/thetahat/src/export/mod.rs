@@ -7,12 +7,12 @@
 //!
 //! ```
 //! use std::path::Path;
-//! use thetahat::{Robot, export::{Format, export_robot}};
+//! use thetahat::{Robot, export::{ExportFormat, export_robot}};
 //!
 //! let text = "name = 'pendulum'\n[[joint]]\nname = 'pivot'\nkind = 'revolute'\n[parameters]\nm1 = 2\nmx1 = 0.2\n\
 //!             xx1 = 0.01\nyy1 = 0.05\nzz1 = 0.05\nfv1 = 0.3\nia1 = 0.1";
 //! let robot = Robot::parse(text, Path::new("pendulum.toml"))?;
-//! let export = export_robot(&robot, None, &robot.a_priori_parameters(), Format::Urdf, &[])?;
+//! let export = export_robot(&robot, None, &robot.a_priori_parameters(), ExportFormat::Urdf, &[])?;
 //! // Torques of the file, read back, at 1000 random states.
 //! assert!(export.check()? < 1e-9);
 //! // URDF has no motor inertia.
@@ -50,13 +50,13 @@ mod words;
 mod xml;
 
 pub use error::ExportError;
-pub use format::Format;
+pub use format::ExportFormat;
 pub use identified::IdentifiedModel;
 #[doc(hidden)]
 pub use mjcf::MjcfError;
 pub use mjcf::MjcfModel;
 #[doc(hidden)]
-pub use provenance::{MovedParameter, Provenance};
+pub use provenance::{AdjustedParameter, Provenance};
 pub use render::{Export, Target, export_robot};
 #[doc(hidden)]
 pub use samples::Sample;

@@ -41,7 +41,7 @@ impl Provenance {
 
 /// A base parameter that is not exported with its estimate.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MovedParameter {
+pub struct AdjustedParameter {
     /// Its name.
     pub name: String,
     /// Its unit.
@@ -79,16 +79,16 @@ pub(super) fn provenance(
 
 /// The base parameters that standard parameters do not keep at their estimates, those moved most first. What was not
 /// estimated is zero in the identified model.
-pub(super) fn moved(identified: &IdentifiedRobot, standard: &[f64]) -> Vec<MovedParameter> {
+pub(super) fn moved(identified: &IdentifiedRobot, standard: &[f64]) -> Vec<AdjustedParameter> {
     let (base, estimates) = (&identified.base, identified.estimates());
     let exported = base.from_standard(standard);
-    let mut moved: Vec<MovedParameter> = Vec::new();
+    let mut moved: Vec<AdjustedParameter> = Vec::new();
     for ((parameter, estimate), exported) in base.parameters().iter().zip(estimates).zip(exported) {
         let deviation = identified.run.parameter(&parameter.name).and_then(ParameterResult::deviation);
         let difference = exported - estimate;
         let usual = deviation.unwrap_or_else(|| size_of_terms(parameter, standard));
         if difference.abs() > ROUNDING * estimate.abs().max(usual) {
-            moved.push(MovedParameter {
+            moved.push(AdjustedParameter {
                 name: parameter.name.clone(),
                 unit: parameter.unit.to_string(),
                 estimate,
@@ -97,7 +97,7 @@ pub(super) fn moved(identified: &IdentifiedRobot, standard: &[f64]) -> Vec<Moved
             });
         }
     }
-    let size = |m: &MovedParameter| m.deviations.map_or(f64::INFINITY, f64::abs);
+    let size = |m: &AdjustedParameter| m.deviations.map_or(f64::INFINITY, f64::abs);
     moved.sort_by(|a, b| size(b).total_cmp(&size(a)));
     moved
 }

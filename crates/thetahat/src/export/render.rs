@@ -3,7 +3,7 @@
 use super::{
     editor::Edited,
     error::ExportError,
-    format::Format,
+    format::ExportFormat,
     header,
     json::json,
     mjcf::{self, MjcfModel},
@@ -18,13 +18,13 @@ use thetahat_model::robot::Robot;
 #[derive(Debug, Clone, Copy)]
 pub enum Target<'a> {
     /// A file of a format: for URDF the one that the robot was read from, edited, and else a new one.
-    File(Format),
+    File(ExportFormat),
     /// A MuJoCo model of the user's own, edited.
     Into(&'a MjcfModel),
 }
 
-impl From<Format> for Target<'_> {
-    fn from(format: Format) -> Self {
+impl From<ExportFormat> for Target<'_> {
+    fn from(format: ExportFormat) -> Self {
         Self::File(format)
     }
 }
@@ -32,10 +32,10 @@ impl From<Format> for Target<'_> {
 impl Target<'_> {
     /// The format of the file.
     #[must_use]
-    pub fn format(self) -> Format {
+    pub fn format(self) -> ExportFormat {
         match self {
             Self::File(format) => format,
-            Self::Into(_) => Format::Mjcf,
+            Self::Into(_) => ExportFormat::Mjcf,
         }
     }
 }
@@ -44,7 +44,7 @@ impl Target<'_> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Export {
     /// The format.
-    pub format: Format,
+    pub format: ExportFormat,
     /// The content of the file.
     pub text: String,
     /// What the format cannot represent of the robot, a sentence each; it is in the file as well.
@@ -91,13 +91,13 @@ pub fn export_robot<'t>(
     let whole = |edited: Edited| (edited.with_header(&header(&edited.notes)), edited.notes);
     let (text, notes) = match (target, urdf) {
         (Target::Into(model), _) => whole(mjcf::edited(model, &represented)?),
-        (Target::File(Format::Urdf), Some(text)) => whole(edited(text, &represented)?),
-        (Target::File(Format::Urdf), None) => {
+        (Target::File(ExportFormat::Urdf), Some(text)) => whole(edited(text, &represented)?),
+        (Target::File(ExportFormat::Urdf), None) => {
             (urdf_new::urdf(&represented, &header(&[]), robot.transmission.ratios().as_deref()), Vec::new())
         }
-        (Target::File(Format::Mjcf), _) => (mjcf::mjcf(&represented, &header(&[])), Vec::new()),
-        (Target::File(Format::Sdf), _) => (sdf(&represented, &header(&[])), Vec::new()),
-        (Target::File(Format::Json), _) => (json(&represented, about)?, Vec::new()),
+        (Target::File(ExportFormat::Mjcf), _) => (mjcf::mjcf(&represented, &header(&[])), Vec::new()),
+        (Target::File(ExportFormat::Sdf), _) => (sdf(&represented, &header(&[])), Vec::new()),
+        (Target::File(ExportFormat::Json), _) => (json(&represented, about)?, Vec::new()),
     };
     let is_edited_model = matches!(target, Target::Into(_));
     Ok(Export {

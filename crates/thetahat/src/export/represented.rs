@@ -2,7 +2,7 @@
 
 use super::{
     coupling::{Tendon, not_representable, tendons},
-    format::Format,
+    format::ExportFormat,
     xml::{number, numbers},
 };
 use thetahat_ground::linear_algebra::Matrix;
@@ -41,9 +41,9 @@ impl RepresentedRobot {
 }
 
 /// A robot with standard parameters, as a format represents it.
-pub(super) fn represented(robot: &Robot, parameters: &[f64], format: Format) -> RepresentedRobot {
+pub(super) fn represented(robot: &Robot, parameters: &[f64], format: ExportFormat) -> RepresentedRobot {
     let table = robot.parameter_table();
-    if format == Format::Json {
+    if format == ExportFormat::Json {
         return RepresentedRobot {
             robot: robot.clone(),
             table,
@@ -54,8 +54,8 @@ pub(super) fn represented(robot: &Robot, parameters: &[f64], format: Format) -> 
     }
     let of_format = Conversion { robot, table, parameters, format };
     let transmission = match format {
-        Format::Mjcf => robot.transmission.clone(),
-        Format::Urdf | Format::Sdf | Format::Json => Transmission::direct(robot.coordinate_count()),
+        ExportFormat::Mjcf => robot.transmission.clone(),
+        ExportFormat::Urdf | ExportFormat::Sdf | ExportFormat::Json => Transmission::direct(robot.coordinate_count()),
     };
     let mut rest = Robot {
         friction: Friction::Symmetric,
@@ -68,7 +68,7 @@ pub(super) fn represented(robot: &Robot, parameters: &[f64], format: Format) -> 
     let table = rest.parameter_table();
     let values: Vec<f64> = table.iter().map(|parameter| of_format.value(parameter, &lost)).collect();
     rest.a_priori = table.iter().map(Parameter::name).zip(values.iter().copied()).collect();
-    let tendons = if format == Format::Mjcf { tendons(&rest, &values) } else { Vec::new() };
+    let tendons = if format == ExportFormat::Mjcf { tendons(&rest, &values) } else { Vec::new() };
     RepresentedRobot {
         not_represented: of_format.not_represented(&lost),
         tendons,
@@ -83,30 +83,30 @@ struct Conversion<'a> {
     robot: &'a Robot,
     table: ParameterTable,
     parameters: &'a [f64],
-    format: Format,
+    format: ExportFormat,
 }
 
 impl Conversion<'_> {
     fn has_motor_inertia(&self) -> bool {
         match self.format {
-            Format::Urdf | Format::Sdf => false,
-            Format::Mjcf | Format::Json => true,
+            ExportFormat::Urdf | ExportFormat::Sdf => false,
+            ExportFormat::Mjcf | ExportFormat::Json => true,
         }
     }
 
     fn has_gravity(&self) -> bool {
         match self.format {
-            Format::Urdf | Format::Sdf => false,
-            Format::Mjcf | Format::Json => true,
+            ExportFormat::Urdf | ExportFormat::Sdf => false,
+            ExportFormat::Mjcf | ExportFormat::Json => true,
         }
     }
 
     /// The quantities of coupled motors that the format does not have.
     fn lost_of_motors(&self) -> Vec<MotorQuantity> {
         match self.format {
-            Format::Urdf | Format::Sdf => MotorQuantity::ALL.to_vec(),
-            Format::Mjcf => not_representable(self.robot, self.parameters),
-            Format::Json => Vec::new(),
+            ExportFormat::Urdf | ExportFormat::Sdf => MotorQuantity::ALL.to_vec(),
+            ExportFormat::Mjcf => not_representable(self.robot, self.parameters),
+            ExportFormat::Json => Vec::new(),
         }
     }
 
@@ -138,8 +138,8 @@ impl Conversion<'_> {
         let terms = self.listed(|p| p.quantity.is_term());
         let inertia = if self.has_motor_inertia() { String::new() } else { joint(&[Ia]) };
         let of_motors = match self.format {
-            Format::Mjcf => "such coupled motors, as a joint's own armature or damping would be below zero",
-            Format::Urdf | Format::Sdf | Format::Json => "coupled motors",
+            ExportFormat::Mjcf => "such coupled motors, as a joint's own armature or damping would be below zero",
+            ExportFormat::Urdf | ExportFormat::Sdf | ExportFormat::Json => "coupled motors",
         };
         let both = "one friction for both directions, and has their mean";
         let title = self.format.title();
@@ -164,7 +164,7 @@ impl Conversion<'_> {
     fn not_represented_of_drives(&self) -> Option<String> {
         let transmission = &self.robot.transmission;
         let n = transmission.joints();
-        let has_ratios = self.format == Format::Urdf && transmission.coupled_motors().is_empty();
+        let has_ratios = self.format == ExportFormat::Urdf && transmission.coupled_motors().is_empty();
         let row = |i: usize| numbers(&(0..n).map(|j| transmission.matrix().at(i, j)).collect::<Vec<_>>());
         let ratios = if has_ratios || *transmission.matrix() == Matrix::identity(n) {
             None
@@ -189,7 +189,7 @@ impl Conversion<'_> {
             let [x, y, z] = self.robot.gravity.map(number);
             lines.push(format!("{title} has no gravity: the robot's is {x} {y} {z} m/s^2 in the frame of its base"));
         }
-        if self.format == Format::Mjcf && self.robot.joints.iter().any(|joint| joint.mimic.is_some()) {
+        if self.format == ExportFormat::Mjcf && self.robot.joints.iter().any(|joint| joint.mimic.is_some()) {
             lines.push(format!("{title} has no joints that follow others but by soft constraints (<equality>)"));
         }
         lines

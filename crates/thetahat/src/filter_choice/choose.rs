@@ -24,7 +24,7 @@ use thetahat_estimation::{
 use thetahat_ground::{pool, series::Series};
 use thetahat_model::{
     base_parameters::BaseParameters,
-    consistency::{SimulationOptions, nearest_to_simulate},
+    consistency::{InteriorOptions, nearest_to_simulate},
     robot::Robot,
 };
 use thetahat_report::results::{ComparedFilter, Filter, FilterChoice, FilterError};
@@ -46,7 +46,7 @@ const LONGEST: usize = 40_000;
 /// The filter with which IDIM-LS gives the estimates that are nearest to the truth, on twins of the longest recording.
 ///
 /// Of the settings, everything but the filter counts: which parameters are estimated, the order of the filter, the window. The
-/// settings' own filter is compared with the others if `own` is true. The result does not depend on the number of `threads`.
+/// filter `also` is compared with those of the grid. The result does not depend on the number of `threads`.
 ///
 /// # Errors
 /// [`FilterChoiceError`] if no recording can be filtered or gives an estimate.
@@ -54,7 +54,7 @@ pub fn choose_filter(
     robot: &Robot,
     settings: &Settings,
     recordings: &[Recording],
-    own: bool,
+    also: Option<Filter>,
     threads: usize,
 ) -> Result<FilterChoice, FilterChoiceError> {
     if !robot.channels().is_empty() {
@@ -62,7 +62,6 @@ pub fn choose_filter(
     }
     let with_torque = recordings.iter().filter(|r| r.torque.is_some());
     let longest = with_torque.max_by_key(|r| r.position.len()).ok_or(FilterChoiceError::NoTorque)?;
-    let own = own.then_some(Filter { cutoff_hz: settings.signal.cutoff_hz, decimation: settings.signal.decimation });
     let whole = Study::new(robot, settings, longest.clone())?;
     let stretch = whole.moving_stretch(for_dynamics(whole.dynamics_hz(), longest.sample_rate_hz))?;
     let samples: usize = recordings.iter().map(|r| r.position.len()).sum();
@@ -70,7 +69,7 @@ pub fn choose_filter(
     // The whole part is the window.
     let signal = SignalOptions { window_start_s: None, window_end_s: None, ..settings.signal };
     let study = Study { recording: stretch, part, settings: Settings { signal, ..whole.settings }, ..whole };
-    study.choose(own, threads)
+    study.choose(also, threads)
 }
 
 /// The estimates of all base parameters by IDIM-LS with a filter.
@@ -256,7 +255,7 @@ impl<'a> Study<'a> {
         columns.iter().zip(theta).for_each(|(&c, value)| all[c] = value);
         let set = problem.consistent_set(Setup { robot: self.robot, settings: &settings });
         let r = problem.regression.x.triangular_factor();
-        let options = SimulationOptions::default();
+        let options = InteriorOptions::default();
         let near = set.ok().and_then(|set| nearest_to_simulate(set, &problem.base, &r, &all, &options, None).ok());
         let found = problem.base.to_standard(&all);
         let recorder = Recorder::of(&problem, &filtered, &columns, &found)?;

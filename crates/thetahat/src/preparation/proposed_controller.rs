@@ -4,7 +4,7 @@
 use super::{filtered::FilteredRecording, settings::Case, settings::Settings};
 use thetahat_estimation::{
     control::ControllerDescription,
-    identification::{Design, Method, Needs},
+    identification::{DesignMatrix, Method, Needs},
 };
 use thetahat_ground::{
     linear_algebra::{Matrix, PivotedQr},
@@ -38,7 +38,7 @@ impl Settings {
 
 /// Whether a method needs no more of a simulated loop than that it follows the motion.
 pub(crate) fn is_iv(method: &Method) -> bool {
-    method.needs() == Needs::Instruments && method.design() == Design::Measured
+    method.needs() == Needs::Instruments && method.design() == DesignMatrix::Measured
 }
 
 /// A PD loop around each motor: one that lags as the recorded motion lags after its recorded reference, else one of 10 Hz with

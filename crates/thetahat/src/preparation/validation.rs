@@ -9,7 +9,7 @@ use super::{
 };
 use thetahat_estimation::{
     control::ControllerDescription,
-    identification::{Design, Method, Needs, Response, Weighting},
+    identification::{DesignMatrix, Method, Needs, Response, Weighting},
     simulation::Solver,
 };
 use thetahat_model::{base_parameters::BaseParametersError, robot::Robot};
@@ -202,7 +202,7 @@ impl Settings {
             Needs::Measurement => false,
             Needs::Instruments | Needs::Sensitivities => true,
         };
-        let needs_stated = |m: &Method| simulates(m) && m.design() == Design::Simulated;
+        let needs_stated = |m: &Method| simulates(m) && m.design() == DesignMatrix::Simulated;
         if methods.iter().any(needs_stated) && self.controller.is_none() {
             let why = "didim, clie and cloe fit the simulated closed loop; describe it, or set [estimation] methods = \
                        [\"idim-ls\", \"idim-iv\"]";

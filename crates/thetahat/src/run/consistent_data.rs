@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::cross_validation::Others;
 use thetahat_estimation::{
-    identification::{Design, EstimationError, Method, Needs},
+    identification::{DesignMatrix, EstimationError, Method, Needs},
     regression::{InstrumentalVariables, Regression},
 };
 use thetahat_ground::linear_algebra::{Matrix, PivotedQr};
@@ -32,15 +32,15 @@ pub(super) fn metric<'a>(
 ) -> Result<Metric<'a>, EstimationError> {
     let z = instruments.ok_or(EstimationError::NoInstruments);
     let design = match method.design() {
-        Design::Measured => regression.x.as_ref(),
-        Design::Simulated => z.clone()?,
+        DesignMatrix::Measured => regression.x.as_ref(),
+        DesignMatrix::Simulated => z.clone()?,
     };
     let whitened: Cow<'_, Matrix> = regression.whiten_matrix(design);
     let triangle = match (method.needs(), method.design()) {
-        (Needs::Measurement | Needs::Sensitivities, _) | (Needs::Instruments, Design::Simulated) => {
+        (Needs::Measurement | Needs::Sensitivities, _) | (Needs::Instruments, DesignMatrix::Simulated) => {
             whitened.triangular_factor()
         }
-        (Needs::Instruments, Design::Measured) => {
+        (Needs::Instruments, DesignMatrix::Measured) => {
             let basis = PivotedQr::with_equal_columns(&regression.whiten_matrix(z?)).thin_q();
             let iv = InstrumentalVariables::new(basis, &whitened, PivotedQr::with_equal_columns);
             iv.projected.triangular_factor()

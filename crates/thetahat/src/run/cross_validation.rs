@@ -3,7 +3,7 @@
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use thetahat_estimation::{
-    identification::{Design, Divisor, EstimationError, Method, Needs, Outcome},
+    identification::{DesignMatrix, Divisor, EstimationError, Method, Needs, Outcome},
     regression::{Regression, relative_error_percent},
     simulation::Reference,
     trajectory::Moves,
@@ -123,8 +123,8 @@ pub(super) fn leave_folds_out(
     let equations = Equations::new(regression, method, instruments);
     let left = WithoutEach::new(&equations.rows, &of_row, (folds.names.len(), parameters));
     let predicting = match method.design() {
-        Design::Measured => regression.x.as_ref(),
-        Design::Simulated => instruments?,
+        DesignMatrix::Measured => regression.x.as_ref(),
+        DesignMatrix::Simulated => instruments?,
     };
     let mut prediction = vec![0.0; rows];
     let mut estimates = Vec::with_capacity(folds.names.len());
@@ -195,8 +195,8 @@ pub(super) fn interval(y: &[f64], prediction: &[f64], of_row: &[usize], folds: u
 /// Those that multiply the design: of the robot, and of the loop where the method estimates any.
 fn parameters_of(regression: &Regression, method: Method, instruments: Option<&Matrix>) -> usize {
     match (method.design(), instruments) {
-        (Design::Simulated, Some(z)) => z.columns(),
-        (Design::Measured, _) | (Design::Simulated, None) => regression.parameters(),
+        (DesignMatrix::Simulated, Some(z)) => z.columns(),
+        (DesignMatrix::Measured, _) | (DesignMatrix::Simulated, None) => regression.parameters(),
     }
 }
 
@@ -218,7 +218,7 @@ impl Equations {
             Needs::Measurement => None,
             Needs::Instruments | Needs::Sensitivities => instruments,
         };
-        let has_measured = method.design() == Design::Measured || z.is_none();
+        let has_measured = method.design() == DesignMatrix::Measured || z.is_none();
         let x = has_measured.then_some(regression.x.as_ref());
         let parts: Vec<&Matrix> = z.into_iter().chain(x).chain([&y]).collect();
         let rows = regression.whiten_matrix(&Matrix::side_by_side(&parts)).into_owned();

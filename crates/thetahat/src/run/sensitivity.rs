@@ -11,7 +11,7 @@ use crate::{
     scheduling::{EstimationJob, RunOptions, SIDE_BY_SIDE, run_all},
 };
 use thetahat_estimation::{
-    identification::{Design, Method, Outcome},
+    identification::{DesignMatrix, Method, Outcome},
     simulation::{BiasKind, SimulatorBias},
 };
 use thetahat_ground::pool::in_parallel;
@@ -50,7 +50,7 @@ impl Identification {
         let sweep = Sweep { identification: self, problem: &problems[0] };
         // A guessed controller serves instruments alone.
         let is_stated = self.setup().settings.controller.is_some();
-        let methods = METHODS.into_iter().filter(|m| is_stated || m.design() == Design::Measured);
+        let methods = METHODS.into_iter().filter(|m| is_stated || m.design() == DesignMatrix::Measured);
         let nominal: Vec<SensitivityCase<'_>> = methods.map(|method| (method, SimulatorBias::NONE, None)).collect();
         let nominal = sweep.estimate(&nominal, threads);
         let jobs: Vec<(BiasKind, f64, usize)> = SWEEP

@@ -3,13 +3,13 @@
 use super::simulator::{FINE, Parameters, Simulator};
 use crate::preparation::Problem;
 use thetahat_estimation::{
-    identification::{Design, Fit, Method, idim_ls},
+    identification::{DesignMatrix, Fit, Method, idim_ls},
     regression::Regression,
 };
 use thetahat_ground::linear_algebra::Matrix;
 use thetahat_model::{
     base_parameters::BaseParameters,
-    consistency::{ConsistencyError, ConsistentFit, ConsistentSet, SimulationOptions, nearest_to_simulate},
+    consistency::{ConsistencyError, ConsistentFit, ConsistentSet, InteriorOptions, nearest_to_simulate},
     robot::{Bound, Parameter, Role},
 };
 
@@ -30,16 +30,16 @@ struct Margin {
     /// Whether an estimate with negative Coulomb friction is simulated as it is.
     may_drive: bool,
     /// Where it is not: the part of the a-priori links and motors that physical parameters have at least.
-    options: SimulationOptions,
+    options: InteriorOptions,
 }
 
 /// IV takes instruments from the interior, which costs it nothing. What DIDIM simulates is its estimate: it goes near the
 /// boundary, where a link without mass would make the simulation erratic.
-fn margin(design: Design) -> Margin {
+fn margin(design: DesignMatrix) -> Margin {
     match design {
-        Design::Measured => Margin { part: 0.3, may_drive: false, options: SimulationOptions::default() },
-        Design::Simulated => {
-            let options = SimulationOptions { interior: 0.02, ..SimulationOptions::default() };
+        DesignMatrix::Measured => Margin { part: 0.3, may_drive: false, options: InteriorOptions::default() },
+        DesignMatrix::Simulated => {
+            let options = InteriorOptions { interior: 0.02, ..InteriorOptions::default() };
             Margin { part: 0.01, may_drive: true, options }
         }
     }
@@ -50,7 +50,7 @@ pub(super) struct Physical<'a> {
     simulator: &'a Simulator<'a>,
     problem: &'a Problem,
     regression: &'a Regression,
-    design: Design,
+    design: DesignMatrix,
     set: Result<&'a ConsistentSet, &'a ConsistencyError>,
     /// Triangular factor of the regression in all base parameters: of X, or of Z for DIDIM.
     r: Option<Matrix>,
@@ -130,8 +130,8 @@ impl<'a> Physical<'a> {
     /// The estimate that counts: of DIDIM, once it leaves what can be simulated, that of the physical set.
     pub(super) fn revise(&mut self, fit: Fit, z: &Matrix) -> Fit {
         match self.design {
-            Design::Measured => fit,
-            Design::Simulated => self.constrain(fit, z),
+            DesignMatrix::Measured => fit,
+            DesignMatrix::Simulated => self.constrain(fit, z),
         }
     }
 
@@ -152,7 +152,7 @@ impl<'a> Physical<'a> {
         if !self.is_needed {
             return theta;
         }
-        let options = SimulationOptions { pull: PULL_OF_FITS, ..margin(self.design).options };
+        let options = InteriorOptions { pull: PULL_OF_FITS, ..margin(self.design).options };
         self.nearest_in(estimated, r, &theta, &options).map_or(theta, |standard| estimated.from_standard(&standard))
     }
 
@@ -184,15 +184,15 @@ impl<'a> Physical<'a> {
                 "simulates the physically consistent robot nearest to its estimate (the estimate itself is physically impossible), without \
                  Coulomb friction"
             }
-            Design::Simulated if self.is_kept_in_set => {
+            DesignMatrix::Simulated if self.is_kept_in_set => {
                 "estimates in the physically consistent set, since near the minimum simulations of its free estimates fail, or \
                  vary too much from one to the next; deviations are those of a free estimate"
             }
-            Design::Simulated if self.is_needed => {
+            DesignMatrix::Simulated if self.is_needed => {
                 "estimates in the physically consistent set, since its free estimates could not be simulated; deviations \
                  are those of a free estimate"
             }
-            Design::Simulated => {
+            DesignMatrix::Simulated => {
                 "starts from the physically consistent parameters nearest to the estimate of LS, since its start values are \
                  no robot's"
             }
@@ -221,7 +221,7 @@ impl<'a> Physical<'a> {
     /// controller is weak, and what does not move is no instrument. Where that has not settled the estimates, viscous
     /// friction holds it back too. DIDIM fits the torques of the robot as it is.
     fn followed(&mut self, mut standard: Vec<f64>) -> Vec<f64> {
-        if self.design == Design::Simulated {
+        if self.design == DesignMatrix::Simulated {
             return standard;
         }
         self.simulations += 1;
@@ -265,7 +265,7 @@ impl<'a> Physical<'a> {
         base: &BaseParameters,
         r: &Matrix,
         estimate: &[f64],
-        options: &SimulationOptions,
+        options: &InteriorOptions,
     ) -> Option<Vec<f64>> {
         let set = match self.set {
             Ok(set) => set,

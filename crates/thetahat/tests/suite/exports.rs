@@ -6,7 +6,9 @@ use thetahat::{
     Experiment, Identification, Method, Recording, Results, Robot, Settings,
     consistency::completed_a_priori,
     experiment::{EstimateRequest, ExperimentError, IdentifiedRobot},
-    export::{Export, ExportError, Format, IdentifiedModel, MjcfError, MjcfModel, Provenance, Target, export_robot},
+    export::{
+        Export, ExportError, ExportFormat, IdentifiedModel, MjcfError, MjcfModel, Provenance, Target, export_robot,
+    },
     results::{NOMINAL, ProfiledTerm, Verdict},
     robot::{Locks, RobotError, RobotSource},
     run::with_constants,
@@ -31,7 +33,7 @@ const ROBOTS: [&str; 9] = [
 /// The URDF of a robot with other parameters than its file has.
 fn urdf_of(source: &RobotSource, robot: &Robot) -> Export {
     let parameters: Vec<f64> = completed_a_priori(robot, None).iter().map(|v| 1.25 * v).collect();
-    export_robot(robot, source.urdf_text(), &parameters, Format::Urdf, &["a test".to_owned()]).unwrap()
+    export_robot(robot, source.urdf_text(), &parameters, ExportFormat::Urdf, &["a test".to_owned()]).unwrap()
 }
 
 fn require_round_trip(source: &RobotSource, robot: &Robot) {
@@ -93,15 +95,15 @@ fn whole(file: &str) -> (Robot, Vec<f64>) {
 fn mjcf_and_sdf_come_back() {
     for file in ROBOTS {
         let (robot, parameters) = whole(file);
-        for format in [Format::Mjcf, Format::Sdf] {
+        for format in [ExportFormat::Mjcf, ExportFormat::Sdf] {
             let export = export_robot(&robot, None, &parameters, format, &[]).unwrap();
             let worst = export.check().unwrap_or_else(|e| panic!("{format} of {file}: {e}"));
             assert!(worst < 1e-12, "{format} of {file}: {worst:e}");
         }
     }
     let (robot, parameters) = whole("two_joint.toml");
-    let json = export_robot(&robot, None, &parameters, Format::Json, &[]).unwrap();
-    assert!(matches!(json.check(), Err(ExportError::NoReader { format: Format::Json })));
+    let json = export_robot(&robot, None, &parameters, ExportFormat::Json, &[]).unwrap();
+    assert!(matches!(json.check(), Err(ExportError::NoReader { format: ExportFormat::Json })));
 }
 
 /// A digit more, or a value that is not there: the file is another robot, or none.
@@ -116,22 +118,25 @@ fn an_mjcf_or_sdf_that_says_something_else_is_found() {
         export.check().expect_err(from)
     };
     for (format, from, to) in [
-        (Format::Mjcf, "mass=\"", "mass=\"1"),
-        (Format::Mjcf, "fullinertia=\"", "fullinertia=\"1"),
-        (Format::Mjcf, "armature=\"", "armature=\"1"),
-        (Format::Mjcf, "damping=\"", "damping=\"1"),
-        (Format::Mjcf, "frictionloss=\"", "frictionloss=\"1"),
-        (Format::Sdf, "<mass>", "<mass>1"),
-        (Format::Sdf, "<ixy>", "<ixy>1"),
-        (Format::Sdf, "<damping>", "<damping>1"),
-        (Format::Sdf, "<friction>", "<friction>1"),
-        (Format::Sdf, "<xyz>0 0 1", "<xyz>0 1 1"),
+        (ExportFormat::Mjcf, "mass=\"", "mass=\"1"),
+        (ExportFormat::Mjcf, "fullinertia=\"", "fullinertia=\"1"),
+        (ExportFormat::Mjcf, "armature=\"", "armature=\"1"),
+        (ExportFormat::Mjcf, "damping=\"", "damping=\"1"),
+        (ExportFormat::Mjcf, "frictionloss=\"", "frictionloss=\"1"),
+        (ExportFormat::Sdf, "<mass>", "<mass>1"),
+        (ExportFormat::Sdf, "<ixy>", "<ixy>1"),
+        (ExportFormat::Sdf, "<damping>", "<damping>1"),
+        (ExportFormat::Sdf, "<friction>", "<friction>1"),
+        (ExportFormat::Sdf, "<xyz>0 0 1", "<xyz>0 1 1"),
     ] {
         let error = changed(format, from, to);
         assert!(matches!(error, ExportError::RoundTrip { .. }), "{from}: {error}");
     }
-    assert!(matches!(changed(Format::Sdf, "<mass>", "<weight>"), ExportError::Robot(_) | ExportError::ReadBack { .. }));
-    let elsewhere = changed(Format::Mjcf, " axis=\"0 0 1\"", " axis=\"0 0.1 1\"");
+    assert!(matches!(
+        changed(ExportFormat::Sdf, "<mass>", "<weight>"),
+        ExportError::Robot(_) | ExportError::ReadBack { .. }
+    ));
+    let elsewhere = changed(ExportFormat::Mjcf, " axis=\"0 0 1\"", " axis=\"0 0.1 1\"");
     assert!(
         matches!(&elsewhere, ExportError::Mjcf(error) if matches!(**error, MjcfError::OtherAxis { .. })),
         "{elsewhere}"
@@ -143,7 +148,7 @@ fn an_mjcf_or_sdf_that_says_something_else_is_found() {
 fn a_users_own_mjcf_gets_the_identified_robot() {
     for file in ROBOTS {
         let (robot, parameters) = whole(file);
-        let written = export_robot(&robot, None, &parameters, Format::Mjcf, &[]).unwrap().text;
+        let written = export_robot(&robot, None, &parameters, ExportFormat::Mjcf, &[]).unwrap().text;
         let model = MjcfModel::from_text(users_mjcf(&written), Path::new("mine.xml"));
         let export = export_robot(&robot, None, &parameters, Target::Into(&model), &["a test".to_owned()]).unwrap();
         let worst = export.check().unwrap_or_else(|e| panic!("{file}: {e}"));
@@ -230,7 +235,7 @@ fn identified(robot: &Robot) -> Vec<f64> {
 #[test]
 fn an_odd_file_comes_back() {
     let (source, robot) = odd();
-    let export = export_robot(&robot, source.urdf_text(), &identified(&robot), Format::Urdf, &[]).unwrap();
+    let export = export_robot(&robot, source.urdf_text(), &identified(&robot), ExportFormat::Urdf, &[]).unwrap();
     export.check().unwrap();
     assert!(export.notes.iter().any(|note| note.contains("tool keep their inertia")), "{:?}", export.notes);
 }
@@ -254,7 +259,7 @@ fn all_that_is_no_inertia_and_no_friction_stays() {
     for text in texts.iter().map(String::as_str).chain([ODD]) {
         let source = RobotSource::from_text(text.to_owned(), Path::new("robot.urdf")).unwrap();
         let robot = source.robot_without_transmission().unwrap();
-        let export = export_robot(&robot, Some(text), &identified(&robot), Format::Urdf, &[]).unwrap().text;
+        let export = export_robot(&robot, Some(text), &identified(&robot), ExportFormat::Urdf, &[]).unwrap().text;
         let header = export.find("<!--\n").or(export.find("<!--\r\n")).unwrap();
         let end = header + export[header..].find("-->").unwrap() + "-->".len();
         let behind = end + export[end..].find('\n').unwrap() + 1;
@@ -276,7 +281,7 @@ fn what_a_format_cannot_say_is_listed_with_its_values() {
     let source = RobotSource::read(&project("robots/tx40.toml")).unwrap();
     let robot = source.robot().unwrap();
     let of = |format| export_robot(&robot, None, &robot.a_priori_parameters(), format, &[]).unwrap();
-    let urdf = of(Format::Urdf);
+    let urdf = of(ExportFormat::Urdf);
     assert!(
         urdf.not_represented.iter().any(|line| line.contains("motor inertia") && line.contains("ia1 = ")),
         "{:?}",
@@ -284,7 +289,7 @@ fn what_a_format_cannot_say_is_listed_with_its_values() {
     );
     let escaped = |line: &String| urdf.text.contains(&line.replace("--", "- -"));
     assert!(urdf.not_represented.iter().all(escaped));
-    assert!(of(Format::Json).not_represented.is_empty());
+    assert!(of(ExportFormat::Json).not_represented.is_empty());
 }
 
 /// The experiment of the two-joint twin with LS alone, and with further tables.
@@ -346,7 +351,7 @@ fn the_exported_parameters_have_the_estimates() {
     let model = model(results, &EstimateRequest::default()).unwrap();
     assert!(model.moved.is_empty(), "{:?}", model.moved);
     assert!(model.identified.robot.parameter_table().check_physical(&model.standard).is_ok());
-    model.export(Format::Urdf).unwrap().check().unwrap();
+    model.export(ExportFormat::Urdf).unwrap().check().unwrap();
     let of = |name: &str| model.provenance()[model.identified.robot.parameter_table().index_of(name).unwrap()];
     assert_eq!([of("fv1"), of("m2"), of("m1")], [Provenance::Identified, Provenance::InSums, Provenance::APriori]);
     let run = results.run(NOMINAL, Method::IDIM_LS).unwrap();
@@ -402,7 +407,7 @@ fn samples_have_the_covariance_of_the_estimates() {
     // A sample is its number and seed, whatever the others.
     assert_eq!(model.sample(5, 7).unwrap(), samples[4]);
     assert_ne!(model.sample(5, 8).unwrap().drawn, samples[4].drawn);
-    let text = model.export_sample(&samples[4], Format::Urdf).unwrap().text;
+    let text = model.export_sample(&samples[4], ExportFormat::Urdf).unwrap().text;
     assert!(text.contains("identified by idim-ls") && text.contains("sample 5 of the estimates, seed 7"));
 }
 
@@ -447,7 +452,7 @@ fn estimates_that_no_robot_has_are_moved_within_their_intervals_or_refused() {
         let [low, high] = run.parameter(&moved.name).unwrap().interval_95.unwrap();
         assert!((low..=high).contains(&moved.exported), "{moved:?} {low} {high}");
     }
-    found.export(Format::Urdf).unwrap().check().unwrap();
+    found.export(ExportFormat::Urdf).unwrap().check().unwrap();
     // Friction that drives, and is sure of it.
     let place = run.parameters.iter().position(|p| p.name == "fv3").unwrap();
     for run in &mut results.runs {
@@ -532,7 +537,7 @@ fn base_parameters_that_were_not_estimated_are_zero_or_named() {
     // No link has no inertia: it is free, and named.
     let found = without("zz2");
     assert!(found.moved.iter().any(|m| m.name == "zz2" && m.estimate == 0.0 && m.exported > 0.0), "{:?}", found.moved);
-    let estimated = |m: &&thetahat::export::MovedParameter| m.name != "zz2";
+    let estimated = |m: &&thetahat::export::AdjustedParameter| m.name != "zz2";
     assert_eq!(found.moved.iter().filter(estimated).count(), 0, "{:?}", found.moved);
 }
 
@@ -625,7 +630,7 @@ fn results_of_before_the_verdict_are_judged() {
 #[test]
 fn a_sample_says_its_verdict_and_where_its_parameters_come_from() {
     let found = model(two_joint(), &EstimateRequest::default()).unwrap();
-    let text = found.export_sample(&found.sample(1, 1).unwrap(), Format::Mjcf).unwrap().text;
+    let text = found.export_sample(&found.sample(1, 1).unwrap(), ExportFormat::Mjcf).unwrap().text;
     for words in ["verdict: ", "identified by themselves: ", "not identified, from the a-priori values: "] {
         assert!(text.contains(words), "{words}: {text}");
     }
@@ -664,7 +669,7 @@ fn the_json_model_has_all_that_its_terms_need() {
         at_limit: false,
     };
     let found = with_constants(&robot, &[constants("shoulder", 0.00875, 4.0), constants("elbow", 2.42, 0.5)]);
-    let export = export_robot(&found, None, &found.a_priori_parameters(), Format::Json, &[]).unwrap();
+    let export = export_robot(&found, None, &found.a_priori_parameters(), ExportFormat::Json, &[]).unwrap();
     let json: serde_json::Value = serde_json::from_str(&export.text).unwrap();
     let terms: Vec<TermDescription> = serde_json::from_value(json["terms"].clone()).unwrap();
     assert_eq!(robot.with_terms(&terms).unwrap().terms, found.terms);
@@ -690,11 +695,11 @@ fn a_file_with_other_joints_is_found() {
 fn each_joint_has_the_reduction_of_its_own_motor() {
     let text = two_joint_robot().replace("[[50, 0], [0, 50]]", "[[0, 50], [40, 0]]");
     let robot = Robot::parse(&text, Path::new("two_joint.toml")).unwrap();
-    let export = export_robot(&robot, None, &robot.a_priori_parameters(), Format::Urdf, &[]).unwrap();
+    let export = export_robot(&robot, None, &robot.a_priori_parameters(), ExportFormat::Urdf, &[]).unwrap();
     let back = Robot::parse(&export.text, Path::new("two_joint.urdf")).unwrap();
     assert_eq!(back.transmission.ratios(), Some(vec![40.0, 50.0]));
     // Other formats list them.
-    let sdf = export_robot(&robot, None, &robot.a_priori_parameters(), Format::Sdf, &[]).unwrap();
+    let sdf = export_robot(&robot, None, &robot.a_priori_parameters(), ExportFormat::Sdf, &[]).unwrap();
     assert!(sdf.not_represented.iter().any(|line| line.contains("[0 50; 40 0]")), "{:?}", sdf.not_represented);
 }
 

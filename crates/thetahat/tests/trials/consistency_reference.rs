@@ -13,7 +13,7 @@ use thetahat::{
     robot::Parameter,
 };
 use thetahat_ground::linear_algebra::{PivotedQr, norm};
-use thetahat_model::consistency::{SimulationOptions, nearest_to_simulate};
+use thetahat_model::consistency::{InteriorOptions, nearest_to_simulate};
 use thetahat_testing::{Named, data, ensure, shared};
 
 /// Clarabel was asked for gaps of 1e-11.
@@ -172,7 +172,7 @@ fn nearest() -> Result<(), Failed> {
 fn simulated() -> Result<(), Failed> {
     let case = Case::read()?;
     let InBase { base, r, estimate } = InBase::of(&case)?;
-    let (options, mut before) = (SimulationOptions::default(), None);
+    let (options, mut before) = (InteriorOptions::default(), None);
     for _ in 0..3 {
         let start = Instant::now();
         let fit = nearest_to_simulate(&case.set, &base, &r, &estimate, &options, before.as_ref())?;

@@ -1,7 +1,7 @@
 //! Least squares on the simulated motion.
 
 use super::{
-    estimator::{Design, Estimator, Needs, Response},
+    estimator::{DesignMatrix, Estimator, Needs, Response},
     ls::{influence, least_squares},
 };
 use crate::{
@@ -14,7 +14,7 @@ pub(super) static DIDIM: Estimator = Estimator {
     name: "didim",
     equation: "(19)",
     needs: Needs::Instruments,
-    design: Design::Simulated,
+    design: DesignMatrix::Simulated,
     response: Response::Torque,
     weighting: None,
     estimate: |regression, z, divisor| didim(regression, z.ok_or(EstimationError::NoInstruments)?, divisor),

@@ -28,7 +28,7 @@ pub enum Response {
 
 /// The matrix that the parameters multiply in the prediction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Design {
+pub enum DesignMatrix {
     /// X, of the measured motion.
     Measured,
     /// Z of the simulated motion, or J.
@@ -64,7 +64,7 @@ pub(super) struct Estimator {
     /// Number of its equation in the paper.
     pub(super) equation: &'static str,
     pub(super) needs: Needs,
-    pub(super) design: Design,
+    pub(super) design: DesignMatrix,
     pub(super) response: Response,
     /// The weighting that defines the estimator, if it has one.
     pub(super) weighting: Option<Weighting>,

@@ -1,6 +1,6 @@
 //! Instrumental variables from a simulated motion.
 
-use super::estimator::{Design, Estimator, Needs, Response};
+use super::estimator::{DesignMatrix, Estimator, Needs, Response};
 use crate::{
     identification::fit::{Divisor, EstimationError, Fit, Solved, full_rank, require_full_rank},
     regression::{InstrumentalVariables, Regression},
@@ -11,7 +11,7 @@ pub(super) static IDIM_IV: Estimator = Estimator {
     name: "idim-iv",
     equation: "(10)",
     needs: Needs::Instruments,
-    design: Design::Measured,
+    design: DesignMatrix::Measured,
     response: Response::Torque,
     weighting: None,
     estimate: |regression, z, divisor| idim_iv(regression, z.ok_or(EstimationError::NoInstruments)?, divisor),

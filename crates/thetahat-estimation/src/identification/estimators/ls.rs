@@ -1,6 +1,6 @@
 //! Least squares on the measured motion, with the weights of the regression (WLS).
 
-use super::estimator::{Design, Estimator, Needs, Response};
+use super::estimator::{DesignMatrix, Estimator, Needs, Response};
 use crate::{
     identification::fit::{Divisor, EstimationError, Fit, Solved, full_rank},
     regression::Regression,
@@ -11,7 +11,7 @@ pub(super) static IDIM_LS: Estimator = Estimator {
     name: "idim-ls",
     equation: "(8)",
     needs: Needs::Measurement,
-    design: Design::Measured,
+    design: DesignMatrix::Measured,
     response: Response::Torque,
     weighting: None,
     estimate: |regression, _, divisor| idim_ls(regression, divisor),

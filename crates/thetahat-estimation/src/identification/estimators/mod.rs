@@ -16,7 +16,7 @@ use std::{cmp::Ordering, fmt, str::FromStr, sync::LazyLock};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 pub use didim::didim;
-pub use estimator::{Design, Needs, Response, Weighting};
+pub use estimator::{DesignMatrix, Needs, Response, Weighting};
 pub use iv::idim_iv;
 pub use ls::idim_ls;
 
@@ -82,7 +82,7 @@ impl Method {
 
     /// The matrix that the parameters multiply in its prediction.
     #[must_use]
-    pub fn design(self) -> Design {
+    pub fn design(self) -> DesignMatrix {
         self.0.design
     }
 

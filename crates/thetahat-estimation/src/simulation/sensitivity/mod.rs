@@ -18,4 +18,4 @@ mod stages;
 mod torque_slopes;
 
 pub use sensitive_to::{Motors, SensitiveTo};
-pub use sensitivities::{Sample, Sensitivities};
+pub use sensitivities::{Sensitivities, SensitivitySample};

@@ -62,7 +62,7 @@ struct Output {
 
 /// One output of a simulation with sensitivities.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample<'a> {
+pub struct SensitivitySample<'a> {
     /// Joint positions, rad or m.
     pub q: &'a [f64],
     /// Joint torques that the drives apply, N m or N.
@@ -119,7 +119,7 @@ impl<'a> Sensitivities<'a> {
     ///
     /// # Errors
     /// As [`ClosedLoop::simulate`].
-    pub fn next_sample(&mut self) -> Result<Option<Sample<'_>>, SimulationError> {
+    pub fn next_sample(&mut self) -> Result<Option<SensitivitySample<'_>>, SimulationError> {
         while self.delivered == self.running.system.next_output {
             if !self.go_on()? {
                 return Ok(None);
@@ -197,7 +197,7 @@ impl<'a> Sensitivities<'a> {
     }
 
     /// The oldest recorded output that is not yet delivered.
-    fn deliver(&mut self) -> Sample<'_> {
+    fn deliver(&mut self) -> SensitivitySample<'_> {
         let k = self.delivered;
         self.delivered += 1;
         let Self { running: Running { integrator, system, .. }, slopes, stage_slopes, start, output, .. } = self;
@@ -216,7 +216,7 @@ impl<'a> Sensitivities<'a> {
         output.state.write_rows(n, &mut output.q_slopes);
         output.torques.write_rows(n, &mut output.tau_slopes);
         let (q, tau) = (system.motion.q.sample(k), system.motion.tau.sample(k));
-        Sample { q, tau, q_slopes: &output.q_slopes, tau_slopes: &output.tau_slopes }
+        SensitivitySample { q, tau, q_slopes: &output.q_slopes, tau_slopes: &output.tau_slopes }
     }
 }
 

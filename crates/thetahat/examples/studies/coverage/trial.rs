@@ -9,7 +9,7 @@ use thetahat::{
     regression::Regression,
     statistics::Sandwich,
 };
-use thetahat_estimation::identification::{Design, Divisor, RowMask};
+use thetahat_estimation::identification::{DesignMatrix, Divisor, RowMask};
 
 use super::{noise::Noise, stage::Stage, twin::Twin};
 
@@ -90,8 +90,8 @@ pub fn as_the_program(
     let influence = method.influence(regression, z)?;
     let residual = regression.residual(&fit.prediction);
     let design = match method.design() {
-        Design::Measured => &regression.x,
-        Design::Simulated => z.ok_or("no instruments")?,
+        DesignMatrix::Measured => &regression.x,
+        DesignMatrix::Simulated => z.ok_or("no instruments")?,
     };
     let sandwich = Sandwich { design, influence: &influence, residual: &residual, rows: &regression.layout };
     let error = fit.theta.iter().zip(&twin.theta).map(|(found, exact)| found - exact).collect();

@@ -106,7 +106,7 @@ impl Case {
         let twin = Twin::new(subject, self.sampling, self.number)?;
         let first = self.record(&twin, 0)?;
         let started = std::time::Instant::now();
-        let choice = choose_filter(&twin.robot, &Settings::new(1.0, 1), std::slice::from_ref(&first), false, THREADS)?;
+        let choice = choose_filter(&twin.robot, &Settings::new(1.0, 1), std::slice::from_ref(&first), None, THREADS)?;
         let seconds = started.elapsed().as_secs_f64();
         let records: Vec<Recording> = (1..=RECORDS).map(|seed| self.record(&twin, seed)).collect::<Result<_, _>>()?;
         let grid: Vec<Filter> = wide_grid(self.sampling.rate_hz).chain([choice.best]).collect();

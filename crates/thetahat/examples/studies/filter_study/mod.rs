@@ -11,6 +11,7 @@ mod case;
 use std::{error::Error, path::PathBuf};
 
 use self::case::{Case, Outcome};
+use super::twins;
 use super::twins::robots::robots;
 
 /// Runs the study.

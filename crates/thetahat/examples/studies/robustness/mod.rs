@@ -18,6 +18,7 @@ use std::{error::Error, time::Instant};
 use self::arguments::{Arguments, FACTORS};
 use self::cells::{Cell, run_cells};
 use self::table::{failures, robot_row, totals};
+use super::twins;
 use super::twins::{
     reference::Kind,
     robots::robots,

@@ -5,7 +5,7 @@ use super::{
     reason::{ReasonText, reason},
 };
 use crate::diagnosis::problems::refuse_all;
-use thetahat_estimation::identification::{Design, Method, Needs, Status};
+use thetahat_estimation::identification::{DesignMatrix, Method, Needs, Status};
 use thetahat_report::results::{
     BiasedSimulatorResult, Comparison, ReasonCode, ReasonSubject, Results, RunResult, Verdict, VerdictReason,
 };
@@ -73,7 +73,7 @@ fn differing(test: &BiasedSimulatorResult) -> VerdictReason {
 
 /// A method that fits the simulated loop is taken where no other can be: nothing tests its simulator.
 fn last_resort(taken: Option<Method>) -> Option<VerdictReason> {
-    let method = taken.filter(|m| m.needs() != Needs::Measurement && m.design() == Design::Simulated)?;
+    let method = taken.filter(|m| m.needs() != Needs::Measurement && m.design() == DesignMatrix::Simulated)?;
     let concerned = ReasonSubject { method: Some(method), ..ReasonSubject::default() };
     let said = ReasonText::new(
         format!("Only {method} has numbers to take, and nothing tests the simulator that it believes"),

@@ -17,7 +17,7 @@ impl Proposal {
         let signal = if !self.to_fill_in().is_empty() {
             ProposedSignal::not_chosen(rate_hz, "a gain is to be filled in; then `thetahat check` compares filters")
         } else {
-            match experiment.choose_filter(data, false, threads) {
+            match experiment.choose_filter(data, None, threads) {
                 Ok(choice) => ProposedSignal::chosen(&choice),
                 Err(error) => ProposedSignal::not_chosen(rate_hz, &error.to_string()),
             }
