@@ -188,12 +188,6 @@ fn default_filter_order() -> usize {
 }
 
 impl SignalOptions {
-    /// The cut-off with the decimation.
-    #[must_use]
-    pub fn filter(&self) -> Filter {
-        Filter { cutoff_hz: self.cutoff_hz, decimation: self.decimation }
-    }
-
     /// The same with the window of a recording, where that states one.
     #[must_use]
     pub fn in_window(self, [start_s, end_s]: [Option<f64>; 2]) -> Self {

@@ -180,7 +180,7 @@ impl<'a> Physical<'a> {
         }
         self.before.as_ref()?;
         let note = match self.design {
-            Design::Measured => {
+            DesignMatrix::Measured => {
                 "simulates the physically consistent robot nearest to its estimate (the estimate itself is physically impossible), without \
                  Coulomb friction"
             }
