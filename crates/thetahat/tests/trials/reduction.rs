@@ -102,7 +102,7 @@ fn same_intervals(found: &RunResult, expected: &RunResult) -> Result<(), Failed>
 
 /// The verdict with its reasons, and what cross-validation says.
 fn same_verdict(found: &Results, expected: &Results) -> Result<(), Failed> {
-    let about = |r: &VerdictReason| (r.code, r.verdict, r.concerned.clone());
+    let about = |r: &VerdictReason| (r.code, r.verdict, r.subject.clone());
     let [f, e] = [found, expected].map(|r| r.verdict_reasons.iter().map(about).collect::<Vec<_>>());
     ensure(
         found.verdict == expected.verdict && f == e,
