@@ -1,6 +1,15 @@
 //! The filters that are compared.
 
+use crate::preparation::SignalOptions;
 use thetahat_report::results::Filter;
+
+impl SignalOptions {
+    /// The cut-off with the decimation.
+    #[must_use]
+    pub fn filter(&self) -> Filter {
+        Filter { cutoff_hz: self.cutoff_hz, decimation: self.decimation }
+    }
+}
 
 /// Filters of one octave.
 const PER_OCTAVE: f64 = 2.0;

@@ -283,7 +283,8 @@ fn findings_travel_through_the_file_to_the_verdict() {
     let solved = read.solve().unwrap().results;
     let reasons = |r: &Results| r.verdict_reasons.iter().map(|r| (r.code, r.verdict)).collect::<Vec<_>>();
     assert_eq!((solved.verdict, reasons(&solved)), (identified.verdict, reasons(&identified)));
-    assert_eq!((&solved.findings, solved.not_examined.len()), (&identified.findings, 0));
+    let findings = |r: &Results| r.findings.iter().flat_map(|r| r.findings.clone()).collect::<Vec<_>>();
+    assert_eq!((findings(&solved), solved.not_examined.len()), (findings(&identified), 0));
     let merged = reduction.merge(folder.reduce(&recordings[1], SIGNAL).unwrap()).unwrap().solve().unwrap().results;
     assert_eq!(merged.verdict, Some(Verdict::DoNotUse));
     let missing: Vec<ReasonCode> = merged.not_examined.iter().map(|n| n.code).collect();
