@@ -56,8 +56,6 @@ pub enum Error {
     Series(#[from] SeriesError),
     /// A unit is not known.
     Unit(#[from] UnknownUnit),
-    /// Values are no series.
-    Series(#[from] SeriesError),
     /// A robot has no dynamics, or another number of parameters.
     Dynamics(#[from] DynamicsError),
     /// Base parameters were not found.

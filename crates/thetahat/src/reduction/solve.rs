@@ -11,7 +11,7 @@ use crate::{
     run::{Folds, ReducedData, ReducedIdentification, SimulatedInstruments},
 };
 use thetahat_estimation::{
-    identification::{Design, Needs},
+    identification::{DesignMatrix, Needs},
     regression::Regression,
 };
 use thetahat_report::results::{NotExamined, ReasonCode, RecordingFindings, RecordingResult, Results};
@@ -143,7 +143,7 @@ impl Reduction {
         let not_compared = !self.are_compared();
         let in_parts = self.recordings.iter().any(|r| r.examined_parts != 1);
         let simulates = experiment.settings.estimation.methods.iter().any(|m| {
-            !matches!((m.needs(), m.design()), (Needs::Measurement, _) | (Needs::Instruments, Design::Measured))
+            !matches!((m.needs(), m.design()), (Needs::Measurement, _) | (Needs::Instruments, DesignMatrix::Measured))
         });
         let absent = [
             (
