@@ -52,6 +52,8 @@ pub enum Error {
     Lock(#[from] LockError),
     /// A recording cannot be read.
     Recording(#[from] RecordingError),
+    /// Values are no series.
+    Series(#[from] SeriesError),
     /// A unit is not known.
     Unit(#[from] UnknownUnit),
     /// A robot has no dynamics, or another number of parameters.

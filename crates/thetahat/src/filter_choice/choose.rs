@@ -43,14 +43,6 @@ const ROWS_PER_PARAMETER: f64 = 10.0;
 /// Longest part of a recording from which a twin is made, in samples.
 const LONGEST: usize = 40_000;
 
-impl SignalOptions {
-    /// The cut-off with the decimation.
-    #[must_use]
-    pub fn filter(&self) -> Filter {
-        Filter { cutoff_hz: self.cutoff_hz, decimation: self.decimation }
-    }
-}
-
 /// The filter with which IDIM-LS gives the estimates that are nearest to the truth, on twins of the longest recording.
 ///
 /// Of the settings, everything but the filter counts: which parameters are estimated, the order of the filter, the window. The

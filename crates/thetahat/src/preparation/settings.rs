@@ -14,7 +14,6 @@ use thetahat_estimation::{
     simulation::{NOMINAL, SimulatorBias, Solver},
 };
 use thetahat_model::robot::Friction;
-use thetahat_report::results::Filter;
 
 /// How a robot is identified from its recordings. Its form as data is that of an experiment file's tables of these names.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
