@@ -18,7 +18,7 @@ mod filter_study;
 mod gallery;
 mod generated_times;
 mod long_chain;
-mod long_record;
+mod long_recording;
 mod operation_counts;
 mod paper_study;
 mod reference_study;
@@ -53,7 +53,7 @@ const STUDIES: [Study; 21] = [
     ("gallery", gallery::main),
     ("generated_times", generated_times::main),
     ("long_chain", long_chain::main),
-    ("long_record", long_record::main),
+    ("long_recording", long_recording::main),
     ("operation_counts", || {
         operation_counts::main();
         Ok(())

@@ -226,7 +226,7 @@ fn a_file_of_form_1_is_refused() {
 /// Windows that overlap are refused in one reduction and in two, whatever the files are called, and with one number changed.
 #[test]
 fn samples_that_two_recordings_share_are_refused() {
-    let (folder, recordings) = three();
+    let (folder, _) = three();
     let window =
         |file: &str, from: f64, to: f64| recording(file, &format!("window_start_s = {from}\nwindow_end_s = {to}"));
     let error = folder.reduce(&(window("a.csv", 1.0, 5.0) + &window("a.csv", 3.5, 7.0)), SIGNAL).unwrap_err();

@@ -12,7 +12,7 @@ use thetahat::{
 
 use super::{
     fastest,
-    long_record::{Kind, Twin},
+    long_recording::{Kind, Twin},
     streaming::Record,
     tx40::{SIGN, Tx40, motion},
 };

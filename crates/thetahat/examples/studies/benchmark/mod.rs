@@ -10,8 +10,8 @@
 
 mod growth;
 mod kernels;
-#[path = "../long_record/twin.rs"]
-mod long_record;
+#[path = "../long_recording/twin.rs"]
+mod long_recording;
 mod peers;
 mod stages;
 mod streaming;

@@ -11,7 +11,7 @@ use std::{
 use thetahat::{Experiment, reduction::ReduceOptions};
 
 use super::{
-    long_record::{Kind, Twin},
+    long_recording::{Kind, Twin},
     table::verdict,
 };
 

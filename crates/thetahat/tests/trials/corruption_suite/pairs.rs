@@ -39,7 +39,7 @@ pub fn pair_defects() -> Vec<PairDefect> {
         by("the same recording in training and validation", SameRecording, |p| {
             (p.second, p.held_back) = (p.first.clone(), true);
         }),
-        by("a recording with a payload beside one without", RecordingsContradict, |p| payload(&mut p.second)),
+        by("a recording with a payload and one without", RecordingsContradict, |p| payload(&mut p.second)),
         by("torque 2 with another gain in one of two recordings (1.3)", RecordingsContradict, |p| {
             scale(&mut p.second.torque, 2, 1.3);
         }),

@@ -1,6 +1,6 @@
 //! A long recording of the TX40 twin: one motion of the demonstration repeated, with fresh noise in every repetition.
 //!
-//! `cargo run --release -p thetahat --example long_record -- FOLDER SAMPLES` writes `record.csv`, `position.npy` and
+//! `cargo run --release -p thetahat --example long_recording -- FOLDER SAMPLES` writes `record.csv`, `position.npy` and
 //! `torque.npy` of SAMPLES samples at 5 kHz, with an experiment for each: `long_csv.toml` and `long_npy.toml`. One hour is
 //! 18 million samples. A third argument, `csv` or `npy`, writes only that one.
 
@@ -10,7 +10,7 @@ use std::{error::Error, path::Path};
 
 use self::twin::{Kind, Twin};
 
-const USAGE: &str = "usage: long_record FOLDER SAMPLES [csv|npy]";
+const USAGE: &str = "usage: long_recording FOLDER SAMPLES [csv|npy]";
 
 /// Runs the study.
 pub fn main() -> Result<(), Box<dyn Error>> {
