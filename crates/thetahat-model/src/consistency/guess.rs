@@ -31,9 +31,9 @@ const FIRST_PART: f64 = 0.125;
 /// * its length is the mean distance of the joints that it carries from its own, for the last link half the mean length
 ///   of the others;
 /// * its share of `total_mass` (default 20 kg per metre of all lengths) is proportional to the reach that it carries, the
-/// longest path from its joint to the tip, because a motor's size grows with its load;
+///   longest path from its joint to the tip, because a motor's size grows with its load;
 /// * it is a cylinder from its joint to those that it carries, the last one a sphere, with a radius of a quarter of its length,
-/// but at least a quarter of the mean length.
+///   but at least a quarter of the mean length.
 ///
 /// Motor inertias and friction are unchanged.
 #[must_use]

@@ -102,9 +102,9 @@ pub enum ReductionError {
     )]
     Overlap {
         /// Of the first recording.
-        first: SharedSpan,
+        first: Box<SharedSpan>,
         /// Of the other.
-        other: SharedSpan,
+        other: Box<SharedSpan>,
     },
     /// Two files do not go together.
     #[error("{}, {}: {source}", first.display(), other.display())]

@@ -11,12 +11,15 @@ pub(super) struct PartFindings {
     pub findings: Vec<Finding>,
 }
 
+/// A finding with the part in which it was made.
+type FoundInPart<'a> = (&'a PartFindings, &'a Finding);
+
 /// One finding for each code and joint, the one with the largest evidence of those that are as severe as most parts say.
 ///
 /// What is seen in fewer than half of the parts is one degree less severe; what says that nothing moves or changes there is
 /// a note, since a robot may rest for a part of a recording.
 pub(super) fn findings_of_parts(parts: &[PartFindings]) -> Vec<Finding> {
-    let mut by_kind: BTreeMap<(Code, Option<usize>), Vec<(&PartFindings, &Finding)>> = BTreeMap::new();
+    let mut by_kind: BTreeMap<(Code, Option<usize>), Vec<FoundInPart<'_>>> = BTreeMap::new();
     for part in parts {
         for finding in &part.findings {
             by_kind.entry((finding.code, finding.joint)).or_default().push((part, finding));
@@ -27,7 +30,7 @@ pub(super) fn findings_of_parts(parts: &[PartFindings]) -> Vec<Finding> {
     findings
 }
 
-fn of_kind(found: &[(&PartFindings, &Finding)], parts: usize) -> Finding {
+fn of_kind(found: &[FoundInPart<'_>], parts: usize) -> Finding {
     let severity = severity(found.iter().map(|(_, finding)| *finding), parts);
     let worst = found
         .iter()

@@ -208,7 +208,7 @@ impl ReducedRecording {
             file: recording.file.clone(),
             span_s: [start - earlier, end - earlier],
         };
-        Some(ReductionError::Overlap { first: span(self, 0.0), other: span(other, shift_s) })
+        Some(ReductionError::Overlap { first: Box::new(span(self, 0.0)), other: Box::new(span(other, shift_s)) })
     }
 }
 

@@ -147,15 +147,15 @@ impl Design {
     }
 
     pub(in crate::design) fn compared_file(&self) -> Option<PathBuf> {
-        self.from_own_folder(self.file.compare.as_deref())
+        self.in_own_folder(self.file.compare.as_deref())
     }
 
     pub(in crate::design) fn noise_file(&self) -> Option<PathBuf> {
-        self.from_own_folder(self.file.noise.results.as_deref())
+        self.in_own_folder(self.file.noise.results.as_deref())
     }
 
     /// The path of a file that is named relative to the design's folder.
-    fn from_own_folder(&self, file: Option<&Path>) -> Option<PathBuf> {
+    fn in_own_folder(&self, file: Option<&Path>) -> Option<PathBuf> {
         file.map(|file| self.path.parent().unwrap_or(Path::new("")).join(file))
     }
 
