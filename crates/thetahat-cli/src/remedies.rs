@@ -1,5 +1,10 @@
 //! What the command's user can do about an error of the library: by flags, which the library does not know.
 
+#![allow(
+    clippy::wildcard_enum_match_arm,
+    reason = "most errors have no remedy that only this program knows; they stay as they are"
+)]
+
 use std::error::Error;
 
 use thetahat::{

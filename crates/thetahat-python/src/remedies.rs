@@ -1,5 +1,10 @@
 //! What a caller of the package can do about an error of the library: by arguments, which the library does not know.
 
+#![allow(
+    clippy::wildcard_enum_match_arm,
+    reason = "most errors have no remedy that only this program knows; they stay as they are"
+)]
+
 use thetahat::{
     experiment::{ExperimentError, ProposalError},
     export::ExportError,

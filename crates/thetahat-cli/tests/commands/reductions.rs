@@ -176,11 +176,14 @@ fn a_reduction_solved_is_the_identification() {
     }
 }
 
+/// The torque of a line in the place of the recorded one.
+type Change = fn(usize, f64) -> f64;
+
 /// Torques that mean nothing are not to be used, by `solve` as by `identify`.
 #[test]
 fn torques_that_mean_nothing_have_the_verdict_of_the_identification() {
     let folder = Records::new();
-    let changes: [(&str, fn(usize, f64) -> f64); 3] =
+    let changes: [(&str, Change); 3] =
         [("negated", |_, tau| -tau), ("ramp", |k, _| k as f64 / 500.0), ("noise", |k, _| 5.0 * ((k * k) as f64).sin())];
     for (name, change) in changes {
         let changed = |(k, line): (usize, &str)| {
@@ -198,7 +201,7 @@ fn torques_that_mean_nothing_have_the_verdict_of_the_identification() {
             [format!("identify {name}.toml --out {name}"), format!("solve {name}.reduction --out {name}_solved")]
                 .map(|command| folder.run(&command).status.code());
         assert_eq!(codes, [Some(1), Some(1)], "{name}");
-        let [identified, solved] = ["", "_solved"].map(|end| folder.0.json(&format!("{name}{end}/results.json")));
+        let [identified, solved] = ["", "_solved"].map(|end| folder.0.json(format!("{name}{end}/results.json")));
         assert_eq!(solved["verdict"], "do-not-use", "{name}");
         let codes = |results: &Value| {
             let reasons = results["verdict_reasons"].as_array().unwrap().clone();
