@@ -47,7 +47,7 @@ pub fn as_finished<T: Send, E>(
     run(count, threads, work, |number, result| take(number, result).map(|()| 1))
 }
 
-/// As [`as_finished`], but in the order of the numbers: no more than [`AHEAD`] results per thread exist at a time.
+/// As [`as_finished`], but in the order of the numbers: no more than `AHEAD` results per thread exist at a time.
 pub fn in_order<T: Send, E>(
     count: usize,
     threads: usize,

@@ -3,9 +3,7 @@
 
 #[path = "../../examples/studies/filter_study/case.rs"]
 mod case;
-#[expect(dead_code, reason = "the rest of the twins is for the robustness table")]
-#[path = "../../examples/studies/twins/mod.rs"]
-mod twins;
+use super::twins;
 
 use case::Case;
 use twins::robots::robots;

@@ -33,6 +33,9 @@ mod sensitivities;
 mod several_recordings;
 mod stiff_simulation;
 mod torque_terms;
+#[path = "../../examples/studies/twins/mod.rs"]
+#[allow(dead_code)]
+mod twins;
 mod uncertain_parameters;
 mod user_estimator;
 mod verdict;

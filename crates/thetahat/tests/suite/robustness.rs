@@ -6,9 +6,7 @@
 mod arguments;
 #[path = "../../examples/studies/robustness/cells.rs"]
 mod cells;
-#[expect(dead_code, reason = "other motions are those of the filter study")]
-#[path = "../../examples/studies/twins/mod.rs"]
-mod twins;
+use super::twins;
 
 use arguments::{Arguments, FACTORS};
 use cells::{Cell, Start, run_cells, settings};

@@ -10,8 +10,7 @@
 
 mod growth;
 mod kernels;
-#[path = "../long_recording/twin.rs"]
-mod long_recording;
+use super::long_recording::twin as long_recording;
 mod peers;
 mod stages;
 mod streaming;

@@ -1,10 +1,10 @@
 //! A long recording of the TX40 twin: one motion of the demonstration repeated, with fresh noise in every repetition.
 //!
-//! `cargo run --release -p thetahat --example long_recording -- FOLDER SAMPLES` writes `record.csv`, `position.npy` and
+//! `cargo run --release -p thetahat --example studies -- long_recording FOLDER SAMPLES` writes `record.csv`, `position.npy` and
 //! `torque.npy` of SAMPLES samples at 5 kHz, with an experiment for each: `long_csv.toml` and `long_npy.toml`. One hour is
 //! 18 million samples. A third argument, `csv` or `npy`, writes only that one.
 
-mod twin;
+pub mod twin;
 
 use std::{error::Error, path::Path};
 

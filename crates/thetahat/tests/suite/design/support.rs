@@ -39,10 +39,10 @@ pub fn key(from: &str, to: &str) -> String {
 pub fn key_of(error: DesignError) -> String {
     let text = error.to_string();
     let DesignError::Preparation { source, .. } = error else { panic!("{text}") };
-    match source {
-        PreparationError::Value { key, .. } | PreparationError::NotPositive { key, .. } => key,
-        other => panic!("{other}"),
-    }
+    let (PreparationError::Value { key, .. } | PreparationError::NotPositive { key, .. }) = source else {
+        panic!("{text}")
+    };
+    key
 }
 
 /// The samples of a design are within the limits that it names, and as large as it says.
