@@ -53,6 +53,7 @@ impl Series {
     ///
     /// # Errors
     /// [`SeriesError`] for no channel, and for values that are no whole number of samples.
+    #[inline]
     pub fn from_values(channels: usize, values: Vec<f64>) -> Result<Self, SeriesError> {
         match channels {
             0 => Err(SeriesError::NoChannel),
@@ -67,6 +68,7 @@ impl Series {
     ///
     /// # Errors
     /// [`SeriesError`] for no channel, and for channels that differ in length.
+    #[inline]
     pub fn from_channels(columns: &[Vec<f64>]) -> Result<Self, SeriesError> {
         let expected = columns.first().ok_or(SeriesError::NoChannel)?.len();
         match columns.iter().position(|column| column.len() != expected) {
@@ -80,6 +82,7 @@ impl Series {
     /// # Panics
     /// If `channels` is zero.
     #[must_use]
+    #[inline]
     pub fn zeros(samples: usize, channels: usize) -> Self {
         Self::shaped(channels, vec![0.0; samples * channels])
     }
@@ -90,6 +93,7 @@ impl Series {
     /// If `channels` is zero or does not divide the number of values.
     #[doc(hidden)]
     #[must_use]
+    #[inline]
     pub fn shaped(channels: usize, values: Vec<f64>) -> Self {
         assert!(
             channels > 0 && values.len().is_multiple_of(channels),
@@ -105,6 +109,7 @@ impl Series {
     /// If there is no channel or the channels differ in length.
     #[doc(hidden)]
     #[must_use]
+    #[inline]
     pub fn side_by_side(columns: &[Vec<f64>]) -> Self {
         let samples = columns[0].len();
         assert!(columns.iter().all(|c| c.len() == samples), "channels of different lengths");
@@ -114,51 +119,60 @@ impl Series {
 
     /// Number of channels.
     #[must_use]
+    #[inline]
     pub fn channels(&self) -> usize {
         self.channels
     }
 
     /// Number of samples.
     #[must_use]
+    #[inline]
     pub fn len(&self) -> usize {
         self.values.len() / self.channels
     }
 
     /// Whether there is no sample.
     #[must_use]
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
     }
 
     /// All values, sample by sample.
     #[must_use]
+    #[inline]
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
     /// All values, sample by sample; consumes the series.
     #[must_use]
+    #[inline]
     pub fn into_values(self) -> Vec<f64> {
         self.values
     }
 
     /// All values, sample by sample, to write.
+    #[inline]
     pub fn values_mut(&mut self) -> &mut [f64] {
         &mut self.values
     }
 
     /// The channels at sample `k`.
     #[must_use]
+    #[inline]
     pub fn sample(&self, k: usize) -> &[f64] {
         &self.values[k * self.channels..(k + 1) * self.channels]
     }
 
     /// The channels at sample `k`, to write.
+    #[inline]
     pub fn sample_mut(&mut self, k: usize) -> &mut [f64] {
         &mut self.values[k * self.channels..(k + 1) * self.channels]
     }
 
     /// Adds white noise with a standard deviation for each channel: one random number for each value, sample by sample.
+    #[inline]
     pub fn add_white_noise(&mut self, deviations: &[f64], rng: &mut ChaCha8Rng) {
         for k in 0..self.len() {
             for (value, deviation) in self.sample_mut(k).iter_mut().zip(deviations) {
@@ -169,18 +183,21 @@ impl Series {
     }
 
     /// Adds a series of the same shape.
+    #[inline]
     pub fn add(&mut self, other: &Self) {
         self.values.iter_mut().zip(&other.values).for_each(|(value, other)| *value += other);
     }
 
     /// A copy of channel `c` over time.
     #[must_use]
+    #[inline]
     pub fn channel(&self, c: usize) -> Vec<f64> {
         self.values.iter().skip(c).step_by(self.channels).copied().collect()
     }
 
     /// A copy of the samples in `range`.
     #[must_use]
+    #[inline]
     pub fn window(&self, range: Range<usize>) -> Self {
         Self {
             channels: self.channels,

@@ -60,31 +60,37 @@ pub fn in_lanes<T: Real, P: Parameter<T>>(kind: T, v: Vec3<P>) -> Vec3<T> {
 }
 
 /// `A B`.
+#[inline]
 pub fn product(a: &Mat3, b: &Mat3) -> Mat3 {
     a.map(|row| transpose_times(b, row))
 }
 
 /// `A^T`.
+#[inline]
 pub fn transpose(a: &Mat3) -> Mat3 {
     [0, 1, 2].map(|j| [a[0][j], a[1][j], a[2][j]])
 }
 
 /// `R B R^T`.
+#[inline]
 pub fn turned(r: &Mat3, b: &Mat3) -> Mat3 {
     product(&product(r, b), &transpose(r))
 }
 
 /// `|a|`.
+#[inline]
 pub fn norm(a: Vec3) -> f64 {
     dot(a, a).sqrt()
 }
 
 /// `a - b`.
+#[inline]
 pub fn sub(a: Vec3, b: Vec3) -> Vec3 {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// The rotation about an axis of length one.
+#[inline]
 pub fn axis_angle(axis: Vec3, angle: f64) -> Mat3 {
     let (s, c) = angle.sin_cos();
     let [x, y, z] = axis;
@@ -94,6 +100,7 @@ pub fn axis_angle(axis: Vec3, angle: f64) -> Mat3 {
 }
 
 /// The rotation of a quaternion of length one: w, x, y, z.
+#[inline]
 pub fn quaternion_rotation([w, x, y, z]: [f64; 4]) -> Mat3 {
     [
         [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
@@ -103,6 +110,7 @@ pub fn quaternion_rotation([w, x, y, z]: [f64; 4]) -> Mat3 {
 }
 
 /// A rotation with the given z axis: the identity where it is z, with exact zeros and ones where it is an axis of the frame.
+#[inline]
 pub fn with_z(z: Vec3) -> Mat3 {
     let size = |i: &usize| z[*i].abs();
     let largest = [2, 0, 1].into_iter().reduce(|a, b| if size(&b) > size(&a) { b } else { a }).unwrap_or(2);

@@ -3,6 +3,7 @@
 use super::number::Real;
 
 /// `f(x)` with its first derivative `slope(x)`.
+#[inline]
 pub fn lifted<T: Real>(x: T, f: impl Fn(f64) -> f64, slope: impl Fn(f64) -> f64) -> T {
     if !T::HAS_DERIVATIVE {
         return x.map(f);
@@ -12,22 +13,26 @@ pub fn lifted<T: Real>(x: T, f: impl Fn(f64) -> f64, slope: impl Fn(f64) -> f64)
 }
 
 /// `e^x`.
+#[inline]
 pub fn exp<T: Real>(x: T) -> T {
     lifted(x, f64::exp, f64::exp)
 }
 
 /// The square root of what is above zero.
+#[inline]
 pub fn square_root<T: Real>(x: T) -> T {
     lifted(x, f64::sqrt, |value| 0.5 / value.sqrt())
 }
 
 /// `x^exponent` for x of at least zero. The derivative at zero is set to zero.
+#[inline]
 pub fn power<T: Real>(x: T, exponent: f64) -> T {
     let slope = |value: f64| if value == 0.0 { 0.0 } else { exponent * value.powf(exponent - 1.0) };
     lifted(x, |value| value.powf(exponent), slope)
 }
 
 /// The magnitude.
+#[inline]
 pub fn absolute<T: Real>(x: T) -> T {
     x.select_less(x.like(0.0), -x, x)
 }

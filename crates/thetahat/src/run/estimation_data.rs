@@ -1,6 +1,6 @@
 //! What estimations are made from: recordings, or a reduction of them.
 
-use super::{cross_validation::Folds, identification::Identification, reduced::ReducedIdentification};
+use super::{cross_validation::Folds, identification::Identification, reduced_data::ReducedIdentification};
 use crate::preparation::{Problem, Setup};
 
 /// Where the rows of a problem come from.

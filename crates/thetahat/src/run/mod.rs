@@ -38,6 +38,7 @@ mod prepared;
 mod profile;
 mod profiled_robot;
 mod reduced;
+mod reduced_data;
 mod regression;
 mod residual_curves;
 mod sensitivity;
@@ -56,4 +57,4 @@ pub(crate) use prediction::{Identified, predict_torques};
 pub(crate) use prepared::PreparedRecording;
 #[doc(hidden)]
 pub use profiled_robot::with_constants;
-pub(crate) use reduced::{ReducedData, ReducedIdentification, SimulatedInstruments};
+pub(crate) use reduced_data::{ReducedData, ReducedIdentification, SimulatedInstruments};

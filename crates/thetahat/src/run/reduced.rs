@@ -2,89 +2,24 @@
 
 use super::{
     assessment::Assessment,
-    cross_validation::Folds,
     estimation_data::EstimationData,
     examination::{examine_robot, with_note},
-    identification::CaseProblem,
     parameters::elimination_result,
+    reduced_data::ReducedIdentification,
     uncertain,
 };
 use crate::{
     diagnosis::{MethodEstimate, advise, diagnose, judge},
-    preparation::{Basis, Case, PreparationError, Setup},
+    preparation::{Case, PreparationError},
     scheduling::{EstimationJob, Finished},
 };
-use thetahat_estimation::{
-    identification::{Fit, Method, Needs, Outcome, Response, Status},
-    regression::Regression,
-};
-use thetahat_ground::{clock::Stopwatch, linear_algebra::Matrix};
+use thetahat_estimation::identification::{Fit, Method, Needs, Outcome, Response, Status};
+use thetahat_ground::clock::Stopwatch;
 use thetahat_report::results::{
-    CaseDiagnosis, JointResult, NotExamined, Plots, RecordingFindings, RecordingResult, Results, RunResult, SCHEMA,
+    CaseDiagnosis, JointResult, Plots, RecordingFindings, Results, RunResult, SCHEMA,
 };
 
-/// Z of simulations that were made before.
-pub(crate) struct SimulatedInstruments {
-    /// With all columns of the base.
-    pub(crate) z: Matrix,
-    /// The base parameters with which it was simulated.
-    pub(crate) theta: Vec<f64>,
-}
-
-/// What is known of recordings whose samples are not there.
-pub(crate) struct ReducedData {
-    /// The rows, or triangular factors of them, with all columns of the base.
-    pub(crate) regression: Regression,
-    pub(crate) instruments: Option<SimulatedInstruments>,
-    pub(crate) recordings: Vec<RecordingResult>,
-    /// Rows of y before they were reduced.
-    pub(crate) rows: usize,
-    /// True base parameters, of twins.
-    pub(crate) truth: Option<Vec<f64>>,
-    /// What is left out in turn.
-    pub(crate) folds: Option<Folds>,
-    /// What was found in each recording.
-    pub(crate) findings: Vec<RecordingFindings>,
-    /// What was found in recordings that were compared with one another.
-    pub(crate) compared: Vec<RecordingFindings>,
-    pub(crate) not_examined: Vec<NotExamined>,
-}
-
-/// A robot with rows from which its parameters are estimated.
-pub(crate) struct ReducedIdentification<'a> {
-    setup: Setup<'a>,
-    problem: CaseProblem,
-    /// The estimated columns among those of the base.
-    columns: Vec<usize>,
-    data: ReducedData,
-}
-
-impl<'a> ReducedIdentification<'a> {
-    /// Chooses the parameters.
-    ///
-    /// # Errors
-    /// [`PreparationError`] for settings that do not fit the rows.
-    pub(crate) fn new(setup: Setup<'a>, basis: Basis, data: ReducedData) -> Result<Self, PreparationError> {
-        let choice = &setup.settings.parameters.estimate;
-        let problem = setup.problem_of_rows(basis, data.regression.clone(), choice)?;
-        let columns = problem.estimated_columns();
-        Ok(Self { setup, problem: CaseProblem::new(setup.robot.friction, problem), columns, data })
-    }
-
-    pub(super) fn setup(&self) -> Setup<'a> {
-        self.setup
-    }
-
-    pub(super) fn folds(&self) -> Option<Folds> {
-        self.data.folds.clone()
-    }
-
-    /// The true values of the estimated parameters.
-    pub(super) fn truth(&self) -> Option<Vec<f64>> {
-        let truth = self.data.truth.as_ref()?;
-        Some(self.columns.iter().map(|&c| truth[c]).collect())
-    }
-
+impl ReducedIdentification<'_> {
     /// Runs the nominal case with every method that needs no further simulation, and judges it as a run of recordings is.
     ///
     /// # Errors
