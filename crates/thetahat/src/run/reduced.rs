@@ -15,9 +15,7 @@ use crate::{
 };
 use thetahat_estimation::identification::{Fit, Method, Needs, Outcome, Response, Status};
 use thetahat_ground::clock::Stopwatch;
-use thetahat_report::results::{
-    CaseDiagnosis, JointResult, Plots, RecordingFindings, Results, RunResult, SCHEMA,
-};
+use thetahat_report::results::{CaseDiagnosis, JointResult, Plots, RecordingFindings, Results, RunResult, SCHEMA};
 
 impl ReducedIdentification<'_> {
     /// Runs the nominal case with every method that needs no further simulation, and judges it as a run of recordings is.

@@ -119,7 +119,7 @@ fn without_the_key_nothing_is_estimated_and_the_free_estimates_are_the_same() {
     let values = |r: &Results| r.runs[0].parameters.iter().map(|p| p.estimate).collect::<Vec<_>>();
     assert_eq!(values(&with), values(&without));
     let json = serde_json::to_value(&without.runs[0]).unwrap();
-    assert!(json["physical"]["consistent"].is_boolean() && json["physical"]["outside"].is_array());
+    assert!(json["physical"]["consistent"].is_boolean() && json["physical"]["inconsistent"].is_array());
     assert!(json["physical"]["smallest_eigenvalue"].is_number() && json["physical"].get("estimate").is_none());
 }
 

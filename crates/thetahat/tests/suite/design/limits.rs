@@ -141,7 +141,7 @@ fn torques_hold_for_robots_that_are_drawn() {
     }
     assert!(drawn.starts[0].found > alone.starts[0].found + 0.5, "room that is kept costs information");
     let text = thetahat_report::report::design_text(&drawn, thetahat_report::report::TextWidth::DEFAULT);
-    assert!(text.contains("12 robots"), "{text}");
+    assert!(text.contains("12 random"), "{text}");
     assert_eq!(key("[noise]", "[uncertainty]\ndraws = 12\n[noise]"), "[uncertainty] draws");
     assert_eq!(key("[noise]", "[uncertainty]\ndraws = 2\npercent = 100\n[noise]"), "[uncertainty] percent");
     assert_eq!(key("[noise]", "[uncertainty]\ndraws = 101\npercent = 5\n[noise]"), "[uncertainty] draws");

@@ -60,7 +60,7 @@ fn a_payload_is_in_the_torques_and_not_in_the_intervals() {
     }
     let text = thetahat_report::report::design_text(&results, thetahat_report::report::TextWidth::DEFAULT);
     let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(words.contains("Payload disc of 1.500 kg: limits hold with it and without it."), "{text}");
+    assert!(words.contains("Payload disc of 1.500 kg: limits hold with and without it."), "{text}");
 }
 
 /// The gains of drives from many pairs of records, one with the payload and one without, scatter as it was predicted.

@@ -70,7 +70,11 @@ fn what_stays_unknown_has_a_remedy() {
     assert_eq!(times.len(), unknown.len());
     assert!(times.iter().map(|t| t.ln()).sum::<f64>() > 0.0, "{times:?}");
     let text = thetahat_report::report::design_text(&results, thetahat_report::report::TextWidth::DEFAULT);
-    assert!(text.contains("What would show them") && text.contains(&format!("{} after", unknown[0].name)), "{text}");
+    assert!(
+        text.contains("Remedy: a motion designed for them alone")
+            && text.contains(&format!("{} after", unknown[0].name)),
+        "{text}"
+    );
 }
 
 /// Records of the Monte Carlo: the deviation of each estimate is then known to 3.5 %.
