@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn a_remedy_is_of_the_variant() {
         let error = OutputError::NotOurs { path: PathBuf::from("a.csv") };
-        let text = "a.csv: is there already and not known to be written by thetahat; give another place with --out, or replace it \
+        let text = "a.csv: exists and was not written by thetahat; give another place with --out, or replace it \
                     with --force";
         assert_eq!(with_remedy(&error), text);
     }

@@ -77,13 +77,13 @@ pub enum OutputError {
         path: PathBuf,
     },
     /// A file is there that this program did not write.
-    #[error("{}: is there already and not known to be written by thetahat", path.display())]
+    #[error("{}: exists and was not written by thetahat", path.display())]
     NotOurs {
         /// The file.
         path: PathBuf,
     },
     /// A file is there that this program wrote for the user to edit.
-    #[error("{}: is there already, and may hold your changes", path.display())]
+    #[error("{}: exists and may contain your changes", path.display())]
     MayHoldChanges {
         /// The file.
         path: PathBuf,
