@@ -61,6 +61,7 @@ impl TimeLaw {
     /// With `u = t - start_s` and `x = max(0, u - a T1 - b T2 - c T3)`, sums over a, b, c in {0, 1}:
     /// `s = sum (-1)^(a+b+c) x^3 / 6 / (T1 T2 T3)`, and `x^2 / 2`, `x` for its derivatives.
     #[must_use]
+    #[inline]
     pub fn evaluate(&self, t: f64) -> (f64, f64, f64) {
         let u = t - self.start_s;
         if u >= self.duration() {
