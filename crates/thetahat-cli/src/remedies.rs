@@ -48,7 +48,7 @@ fn of_output(error: &OutputError) -> Option<String> {
         OutputError::NotOurs { .. } | OutputError::MayHoldChanges { .. } => {
             "give another place with --out, or replace it with --force"
         }
-        OutputError::NoFolder { .. } | OutputError::Unreadable { .. } | _ => return None,
+        _ => return None,
     };
     Some(remedy.to_owned())
 }
@@ -81,13 +81,7 @@ fn of_proposal(error: &ProposalError) -> Option<String> {
         ProposalError::LockedAndNamed { .. } => "leave it out of --lock or of --joints".to_owned(),
         ProposalError::NoTime { .. } => "name the column with --time NAME, or state the rate with --rate HZ".to_owned(),
         ProposalError::RateContradictsTimes { .. } => "leave --rate out".to_owned(),
-        ProposalError::MovesWithoutTorque { .. }
-        | ProposalError::Robot { .. }
-        | ProposalError::NotATime { .. }
-        | ProposalError::NoSuchColumn { .. }
-        | ProposalError::NoPartner { .. }
-        | ProposalError::DifferentLengths { .. }
-        | _ => return None,
+        _ => return None,
     })
 }
 
@@ -106,6 +100,7 @@ fn of_experiment(error: &ExperimentError) -> Option<String> {
 fn of_campaign(error: &CampaignError) -> Option<String> {
     match error {
         CampaignError::Experiment(error) => of_experiment(error),
+        CampaignError::NoParquet { .. } => Some("leave --out out".to_owned()),
         CampaignError::OtherCampaign { .. } | CampaignError::NoCampaign { .. } => {
             Some("give the folder with --out".to_owned())
         }
@@ -162,7 +157,7 @@ fn of_symbolic(error: &SymbolicError) -> Option<String> {
 fn of_estimate(error: &NoEstimate) -> Option<String> {
     match error {
         NoEstimate::NotAdvised { .. } => Some("name it with --method".to_owned()),
-        NoEstimate::NoCase { .. } | NoEstimate::Absent { .. } | _ => None,
+        _ => None,
     }
 }
 

@@ -38,14 +38,12 @@ pub struct Matrix {
 impl Matrix {
     /// A matrix of zeros.
     #[must_use]
-    #[inline]
     pub fn zeros(rows: usize, columns: usize) -> Self {
         Self { rows, columns, values: vec![0.0; rows * columns] }
     }
 
     /// The identity.
     #[must_use]
-    #[inline]
     pub fn identity(size: usize) -> Self {
         Self::from_fn(size, size, |i, j| if i == j { 1.0 } else { 0.0 })
     }
@@ -64,7 +62,6 @@ impl Matrix {
     /// # Panics
     /// If `rows` is zero or does not divide the number of values.
     #[must_use]
-    #[inline]
     pub fn from_columns(rows: usize, values: Vec<f64>) -> Self {
         assert!(rows > 0 && values.len().is_multiple_of(rows), "{} values in {rows} rows", values.len());
         Self { rows, columns: values.len() / rows, values }
@@ -119,7 +116,6 @@ impl Matrix {
 
     /// A copy of the columns named by `indices`, in that order.
     #[must_use]
-    #[inline]
     pub fn select_columns(&self, indices: &[usize]) -> Self {
         let mut values = Vec::with_capacity(self.rows * indices.len());
         indices.iter().for_each(|&j| values.extend_from_slice(self.column(j)));
@@ -128,7 +124,6 @@ impl Matrix {
 
     /// A copy of the rows for which `keep` holds.
     #[must_use]
-    #[inline]
     pub fn select_rows(&self, keep: &[bool]) -> Self {
         let rows = keep.iter().filter(|&&k| k).count();
         let mut values = Vec::with_capacity(rows * self.columns);
@@ -139,7 +134,6 @@ impl Matrix {
 
     /// The matrix with each row multiplied by its weight.
     #[must_use]
-    #[inline]
     pub fn scale_rows(&self, weights: &[f64]) -> Self {
         let mut values = Vec::with_capacity(self.values.len());
         (0..self.columns).for_each(|j| values.extend(self.column(j).iter().zip(weights).map(|(v, w)| w * v)));
@@ -148,7 +142,6 @@ impl Matrix {
 
     /// The matrix with each column multiplied by its factor.
     #[must_use]
-    #[inline]
     pub fn scale_columns(&self, factors: &[f64]) -> Self {
         let mut values = Vec::with_capacity(self.values.len());
         factors.iter().enumerate().for_each(|(j, factor)| values.extend(self.column(j).iter().map(|v| factor * v)));
@@ -157,21 +150,18 @@ impl Matrix {
 
     /// `A x`.
     #[must_use]
-    #[inline]
     pub fn times(&self, x: &[f64]) -> Vec<f64> {
         from_faer((self.view() * MatRef::from_column_major_slice(x, self.columns, 1)).as_ref()).values
     }
 
     /// `A^T x`.
     #[must_use]
-    #[inline]
     pub fn transpose_times(&self, x: &[f64]) -> Vec<f64> {
         from_faer((self.view().transpose() * MatRef::from_column_major_slice(x, self.rows, 1)).as_ref()).values
     }
 
     /// `A + factor B`.
     #[must_use]
-    #[inline]
     pub fn plus(&self, other: &Self, factor: f64) -> Self {
         let values = self.values.iter().zip(&other.values).map(|(a, b)| a + factor * b).collect();
         Self { values, ..*self }
@@ -179,7 +169,6 @@ impl Matrix {
 
     /// A copy of a range of rows.
     #[must_use]
-    #[inline]
     pub fn row_range(&self, range: std::ops::Range<usize>) -> Self {
         let mut values = Vec::with_capacity(range.len() * self.columns);
         (0..self.columns).for_each(|j| values.extend_from_slice(&self.column(j)[range.clone()]));
@@ -188,7 +177,6 @@ impl Matrix {
 
     /// `A^-1 x` of a symmetric matrix; `None` where it is not positive definite.
     #[must_use]
-    #[inline]
     pub fn inverse_times(&self, x: &[f64]) -> Option<Vec<f64>> {
         let factor = self.view().llt(faer::Side::Lower).ok()?;
         let rhs = MatRef::from_column_major_slice(x, self.rows, 1);
@@ -197,7 +185,6 @@ impl Matrix {
 
     /// `A^-1 B` of a symmetric matrix; `None` where it is not positive definite.
     #[must_use]
-    #[inline]
     pub fn inverse_times_matrix(&self, b: &Self) -> Option<Self> {
         let factor = self.view().llt(faer::Side::Lower).ok()?;
         Some(from_faer(factor.solve(b.view()).as_ref()))
@@ -205,14 +192,12 @@ impl Matrix {
 
     /// The Cholesky factor of a symmetric matrix, of which the lower half is read; `None` where it is not positive definite.
     #[must_use]
-    #[inline]
     pub fn cholesky(&self) -> Option<CholeskyFactor> {
         self.view().llt(Side::Lower).ok().map(|factor| CholeskyFactor { factor })
     }
 
     /// `x^T A^-1 x` of a symmetric matrix; `None` where it is not positive definite.
     #[must_use]
-    #[inline]
     pub fn inverse_quadratic_form(&self, x: &[f64]) -> Option<f64> {
         let solved = self.inverse_times(x)?;
         Some(solved.iter().zip(x).map(|(s, x)| s * x).sum())
@@ -220,35 +205,30 @@ impl Matrix {
 
     /// `A B`.
     #[must_use]
-    #[inline]
     pub fn times_matrix(&self, other: &Self) -> Self {
         from_faer((self.view() * other.view()).as_ref())
     }
 
     /// `A^T B`.
     #[must_use]
-    #[inline]
     pub fn transposed_times(&self, other: &Self) -> Self {
         from_faer((self.view().transpose() * other.view()).as_ref())
     }
 
     /// `A B^T`.
     #[must_use]
-    #[inline]
     pub fn times_transposed(&self, other: &Self) -> Self {
         from_faer((self.view() * other.view().transpose()).as_ref())
     }
 
     /// `A^T`.
     #[must_use]
-    #[inline]
     pub fn transpose(&self) -> Self {
         Self::from_fn(self.columns, self.rows, |i, j| self.at(j, i))
     }
 
     /// The inverse of a square matrix, or `None` where it is singular to working precision.
     #[must_use]
-    #[inline]
     pub fn inverse(&self) -> Option<Self> {
         let qr = PivotedQr::new(self);
         (qr.rank(SINGULAR) == self.columns).then(|| qr.solve_matrix(&Self::identity(self.rows)))
@@ -256,7 +236,6 @@ impl Matrix {
 
     /// Stacks matrices with the same number of columns vertically.
     #[must_use]
-    #[inline]
     pub fn stack(parts: &[&Self]) -> Self {
         let columns = parts.first().map_or(0, |part| part.columns);
         let values = (0..columns).flat_map(|j| parts.iter().flat_map(move |part| part.column(j))).copied().collect();
@@ -265,7 +244,6 @@ impl Matrix {
 
     /// Joins matrices with the same number of rows horizontally.
     #[must_use]
-    #[inline]
     pub fn side_by_side(parts: &[&Self]) -> Self {
         let values = parts.iter().flat_map(|part| &part.values).copied().collect();
         let columns = parts.iter().map(|part| part.columns).sum();
@@ -278,7 +256,6 @@ impl Matrix {
     /// Orthonormal transformations of the rows of A leave R unchanged, so that R replaces A in any least-squares problem
     /// in its columns.
     #[must_use]
-    #[inline]
     pub fn triangular_factor(&self) -> Self {
         let mut r = from_faer(self.view().qr().thin_R());
         for i in 0..r.rows {
@@ -291,7 +268,6 @@ impl Matrix {
 
     /// Eigenvalues, rising, and eigenvectors, column by column, of a symmetric matrix; `None` where an entry is not finite.
     #[must_use]
-    #[inline]
     pub fn symmetric_eigen(&self) -> Option<(Vec<f64>, Self)> {
         if !self.values.iter().all(|v| v.is_finite()) {
             return None;
@@ -303,7 +279,6 @@ impl Matrix {
 
     /// Singular values, largest first; `None` where an entry is not finite.
     #[must_use]
-    #[inline]
     pub fn singular_values(&self) -> Option<Vec<f64>> {
         if !self.values.iter().all(|v| v.is_finite()) {
             return None;
@@ -313,7 +288,6 @@ impl Matrix {
 
     /// The ratio of the largest to the smallest singular value; infinite for a singular matrix.
     #[must_use]
-    #[inline]
     pub fn condition_number(&self) -> f64 {
         match self.singular_values().as_deref() {
             Some([largest, .., smallest]) if *smallest > 0.0 => largest / smallest,
@@ -322,7 +296,6 @@ impl Matrix {
         }
     }
 
-    #[inline]
     fn view(&self) -> MatRef<'_, f64> {
         MatRef::from_column_major_slice(&self.values, self.rows, self.columns)
     }
@@ -337,7 +310,6 @@ pub struct CholeskyFactor {
 impl CholeskyFactor {
     /// `A^-1 b`.
     #[must_use]
-    #[inline]
     pub fn solve(&self, b: &[f64]) -> Vec<f64> {
         let right = MatRef::from_column_major_slice(b, b.len(), 1);
         from_faer(self.factor.solve(right).as_ref()).values
@@ -345,14 +317,12 @@ impl CholeskyFactor {
 
     /// `A^-1 B`.
     #[must_use]
-    #[inline]
     pub fn solve_matrix(&self, b: &Matrix) -> Matrix {
         from_faer(self.factor.solve(b.view()).as_ref())
     }
 
     /// The lower triangular L.
     #[must_use]
-    #[inline]
     pub fn lower(&self) -> Matrix {
         from_faer(self.factor.L())
     }
@@ -364,7 +334,6 @@ const SINGULAR: f64 = 1e-13;
 /// Norm of a column, relative to the largest, below which the column counts as rounding error.
 const ROUNDING: f64 = 1e-14;
 
-#[inline]
 fn from_faer(a: MatRef<'_, f64>) -> Matrix {
     let mut values = Vec::with_capacity(a.nrows() * a.ncols());
     a.col_iter().for_each(|column| values.extend(column.iter()));
@@ -391,7 +360,6 @@ pub struct PivotedQr {
 impl PivotedQr {
     /// Factorises `a` unchanged.
     #[must_use]
-    #[inline]
     pub fn new(a: &Matrix) -> Self {
         let first = a.view().qr();
         let pivoted = first.thin_R().col_piv_qr();
@@ -403,7 +371,6 @@ impl PivotedQr {
     /// magnitude keeps its digits. The factors are powers of two, so that scaling itself rounds nothing. A column at the rounding level of
     /// the largest is scaled by the largest column's factor, so that it stays at that level.
     #[must_use]
-    #[inline]
     pub fn with_equal_columns(a: &Matrix) -> Self {
         let sizes: Vec<f64> = (0..a.columns).map(|j| norm(a.column(j))).collect();
         let largest = sizes.iter().copied().fold(0.0, f64::max);
@@ -416,7 +383,6 @@ impl PivotedQr {
     ///
     /// Entries that are not finite do not count, so the rank of a matrix with a NaN is not full.
     #[must_use]
-    #[inline]
     pub fn rank(&self, tolerance: f64) -> usize {
         let r = self.pivoted.thin_R();
         let diagonal = (0..self.columns.min(self.rows)).map(|i| r[(i, i)].abs());
@@ -426,19 +392,16 @@ impl PivotedQr {
 
     /// The least-squares solution of `A x = y`.
     #[must_use]
-    #[inline]
     pub fn solve(&self, y: &[f64]) -> Vec<f64> {
         self.solve_view(MatRef::from_column_major_slice(y, self.rows, 1)).values
     }
 
     /// The least-squares solution of `A X = B`.
     #[must_use]
-    #[inline]
     pub fn solve_matrix(&self, b: &Matrix) -> Matrix {
         self.solve_view(b.view())
     }
 
-    #[inline]
     fn solve_view(&self, b: MatRef<'_, f64>) -> Matrix {
         let mut rotated = b.to_owned();
         self.rotate(rotated.as_mut());
@@ -447,7 +410,6 @@ impl PivotedQr {
     }
 
     /// `Q_1^T B`, in place.
-    #[inline]
     fn rotate(&self, b: MatMut<'_, f64>) {
         let (basis, factor) = (self.first.Q_basis(), self.first.Q_coeff());
         let scratch = scratch_of_q_transposed::<f64>(self.rows, factor.nrows(), b.ncols());
@@ -456,14 +418,12 @@ impl PivotedQr {
 
     /// The columns in pivoted order: those that the first ones span come last.
     #[must_use]
-    #[inline]
     pub fn pivots(&self) -> &[usize] {
         self.pivoted.P().arrays().0
     }
 
     /// The orthonormal factor, rows by columns.
     #[must_use]
-    #[inline]
     pub fn thin_q(&self) -> Matrix {
         let inner = self.pivoted.compute_thin_Q();
         let mut q = Mat::zeros(self.rows, inner.ncols());
@@ -476,7 +436,6 @@ impl PivotedQr {
 
     /// The triangular factor in pivoted column order, columns by columns.
     #[must_use]
-    #[inline]
     pub fn thin_r(&self) -> Matrix {
         let unscaled: Vec<f64> = self.pivots().iter().map(|&p| 1.0 / self.scale[p]).collect();
         from_faer(self.pivoted.thin_R()).scale_columns(&unscaled)
@@ -501,7 +460,6 @@ impl PivotedQr {
 }
 
 /// The power of two that brings a size to between 1 and 2; 1 for zero and for sizes that are not finite.
-#[inline]
 fn to_unit_magnitude(size: f64) -> f64 {
     let factor = (-size.log2().floor()).exp2();
     if factor.is_normal() { factor } else { 1.0 }
@@ -524,7 +482,6 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// The Euclidean norm.
 #[must_use]
-#[inline]
 pub fn norm(x: &[f64]) -> f64 {
     x.iter().map(|v| v * v).sum::<f64>().sqrt()
 }

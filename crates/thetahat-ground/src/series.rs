@@ -53,7 +53,6 @@ impl Series {
     ///
     /// # Errors
     /// [`SeriesError`] for no channel, and for values that are no whole number of samples.
-    #[inline]
     pub fn from_values(channels: usize, values: Vec<f64>) -> Result<Self, SeriesError> {
         match channels {
             0 => Err(SeriesError::NoChannel),
@@ -68,7 +67,6 @@ impl Series {
     ///
     /// # Errors
     /// [`SeriesError`] for no channel, and for channels that differ in length.
-    #[inline]
     pub fn from_channels(columns: &[Vec<f64>]) -> Result<Self, SeriesError> {
         let expected = columns.first().ok_or(SeriesError::NoChannel)?.len();
         match columns.iter().position(|column| column.len() != expected) {
@@ -82,7 +80,6 @@ impl Series {
     /// # Panics
     /// If `channels` is zero.
     #[must_use]
-    #[inline]
     pub fn zeros(samples: usize, channels: usize) -> Self {
         Self::shaped(channels, vec![0.0; samples * channels])
     }
@@ -93,7 +90,6 @@ impl Series {
     /// If `channels` is zero or does not divide the number of values.
     #[doc(hidden)]
     #[must_use]
-    #[inline]
     pub fn shaped(channels: usize, values: Vec<f64>) -> Self {
         assert!(
             channels > 0 && values.len().is_multiple_of(channels),
@@ -109,7 +105,6 @@ impl Series {
     /// If there is no channel or the channels differ in length.
     #[doc(hidden)]
     #[must_use]
-    #[inline]
     pub fn side_by_side(columns: &[Vec<f64>]) -> Self {
         let samples = columns[0].len();
         assert!(columns.iter().all(|c| c.len() == samples), "channels of different lengths");
@@ -172,7 +167,6 @@ impl Series {
     }
 
     /// Adds white noise with a standard deviation for each channel: one random number for each value, sample by sample.
-    #[inline]
     pub fn add_white_noise(&mut self, deviations: &[f64], rng: &mut ChaCha8Rng) {
         for k in 0..self.len() {
             for (value, deviation) in self.sample_mut(k).iter_mut().zip(deviations) {
@@ -183,21 +177,18 @@ impl Series {
     }
 
     /// Adds a series of the same shape.
-    #[inline]
     pub fn add(&mut self, other: &Self) {
         self.values.iter_mut().zip(&other.values).for_each(|(value, other)| *value += other);
     }
 
     /// A copy of channel `c` over time.
     #[must_use]
-    #[inline]
     pub fn channel(&self, c: usize) -> Vec<f64> {
         self.values.iter().skip(c).step_by(self.channels).copied().collect()
     }
 
     /// A copy of the samples in `range`.
     #[must_use]
-    #[inline]
     pub fn window(&self, range: Range<usize>) -> Self {
         Self {
             channels: self.channels,

@@ -90,7 +90,6 @@ pub fn sub(a: Vec3, b: Vec3) -> Vec3 {
 }
 
 /// The rotation about an axis of length one.
-#[inline]
 pub fn axis_angle(axis: Vec3, angle: f64) -> Mat3 {
     let (s, c) = angle.sin_cos();
     let [x, y, z] = axis;
@@ -100,7 +99,6 @@ pub fn axis_angle(axis: Vec3, angle: f64) -> Mat3 {
 }
 
 /// The rotation of a quaternion of length one: w, x, y, z.
-#[inline]
 pub fn quaternion_rotation([w, x, y, z]: [f64; 4]) -> Mat3 {
     [
         [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
@@ -110,7 +108,6 @@ pub fn quaternion_rotation([w, x, y, z]: [f64; 4]) -> Mat3 {
 }
 
 /// A rotation with the given z axis: the identity where it is z, with exact zeros and ones where it is an axis of the frame.
-#[inline]
 pub fn with_z(z: Vec3) -> Mat3 {
     let size = |i: &usize| z[*i].abs();
     let largest = [2, 0, 1].into_iter().reduce(|a, b| if size(&b) > size(&a) { b } else { a }).unwrap_or(2);

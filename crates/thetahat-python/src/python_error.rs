@@ -150,6 +150,7 @@ impl From<CampaignError> for PythonError {
             | CampaignError::NoRecording { .. }
             | CampaignError::OtherCampaign { .. }
             | CampaignError::NoCampaign { .. }
+            | CampaignError::NoParquet { .. }
             | CampaignError::Damaged { .. }
             | CampaignError::Write { .. }
             | _) => Self::new("CampaignError", error),

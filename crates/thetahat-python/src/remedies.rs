@@ -19,7 +19,7 @@ pub fn of_output(error: &OutputError) -> Option<String> {
         OutputError::NotOurs { .. } | OutputError::MayHoldChanges { .. } => {
             "give another place, or replace it with force=True"
         }
-        OutputError::NoFolder { .. } | OutputError::Unreadable { .. } | _ => return None,
+        _ => return None,
     };
     Some(remedy.to_owned())
 }
@@ -31,7 +31,7 @@ pub fn of_campaign_folder(error: &OutputError) -> Option<String> {
         OutputError::IsInput { .. } | OutputError::NotAFile { .. } | OutputError::NotAFolder { .. } => {
             "give another folder with `out`"
         }
-        OutputError::NoFolder { .. } | OutputError::Unreadable { .. } | _ => return None,
+        _ => return None,
     };
     Some(remedy.to_owned())
 }
@@ -59,13 +59,7 @@ pub fn of_proposal(error: &ProposalError) -> Option<String> {
         ProposalError::LockedAndNamed { .. } => "leave it out of `locked` or of `joints`".to_owned(),
         ProposalError::NoTime { .. } => "name the column with `time`, or state `sample_rate_hz`".to_owned(),
         ProposalError::RateContradictsTimes { .. } => "leave `sample_rate_hz` out".to_owned(),
-        ProposalError::MovesWithoutTorque { .. }
-        | ProposalError::Robot { .. }
-        | ProposalError::NotATime { .. }
-        | ProposalError::NoSuchColumn { .. }
-        | ProposalError::NoPartner { .. }
-        | ProposalError::DifferentLengths { .. }
-        | _ => return None,
+        _ => return None,
     })
 }
 

@@ -42,13 +42,7 @@ fn of_proposal(error: &ProposalError) -> Option<&'static str> {
         }
         ProposalError::NoTime { .. } => "state the samples per second under Corrections",
         ProposalError::RateContradictsTimes { .. } => "clear the samples per second under Corrections",
-        ProposalError::MovesWithoutTorque { .. }
-        | ProposalError::Robot { .. }
-        | ProposalError::NotATime { .. }
-        | ProposalError::NoSuchColumn { .. }
-        | ProposalError::NoPartner { .. }
-        | ProposalError::DifferentLengths { .. }
-        | _ => return None,
+        _ => return None,
     })
 }
 

@@ -199,7 +199,7 @@ fn results_of_arrays_are_exported_and_generated_and_not_predicted_from() {
     assert!(refused(&run_with(&changed)).contains("has changed since the identification"));
 }
 
-/// The commands of docs/manual/use_the_result.md run as they stand.
+/// The commands of docs/manual/use_the_result.md run unchanged.
 #[test]
 fn the_commands_of_the_page_run() {
     let page = std::fs::read_to_string(project("docs/manual/use_the_result.md")).expect("the page is there");

@@ -1,4 +1,4 @@
-//! README.md, docs/manual/tutorial.md and docs/manual/design.md: their commands run as they stand, end as the page says, and
+//! README.md, docs/manual/tutorial.md and docs/manual/design.md: their commands run unchanged, end as the page says, and
 //! print what it shows. With `UPDATE=1` the shown lines become the printed lines that are most like them.
 #![cfg(unix)]
 
@@ -122,7 +122,7 @@ fn updated(page: &str, steps: &[Step], outputs: &[(String, i32)]) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Where the first of those printed lines begin that have most words in common with the shown ones; none where no words are common.
+/// Where the first of the printed lines begin that share most words with the shown ones, if any share a word.
 fn most_alike(shown: &[Shown], printed: &[&str]) -> Option<usize> {
     let common = |found: &[&str]| -> usize { shown.iter().zip(found).map(|(a, b)| common_words(&a.text, b)).sum() };
     let places = printed.windows(shown.len()).enumerate().rev().map(|(place, found)| (common(found), place));

@@ -52,6 +52,7 @@ pub struct InPhase {
 impl TimeLaw {
     /// The end of the move, `start_s + T1 + T2 + T3`.
     #[must_use]
+    #[inline]
     pub fn end_s(&self) -> f64 {
         self.start_s + self.duration()
     }
@@ -142,15 +143,18 @@ impl TimeLaw {
         Self { t1_s, t2_s, t3_s, ..self }
     }
 
+    #[inline]
     fn term(&self, u: f64, [a, b, c]: [f64; 3]) -> (f64, f64) {
         let sign = (1.0 - 2.0 * a) * (1.0 - 2.0 * b) * (1.0 - 2.0 * c);
         (sign, (u - a * self.t1_s - b * self.t2_s - c * self.t3_s).max(0.0))
     }
 
+    #[inline]
     fn duration(&self) -> f64 {
         self.t1_s + self.t2_s + self.t3_s
     }
 
+    #[inline]
     fn volume(&self) -> f64 {
         self.t1_s * self.t2_s * self.t3_s
     }

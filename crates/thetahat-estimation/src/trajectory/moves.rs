@@ -84,6 +84,7 @@ impl Moves {
 
     /// When the last move ends, in s; zero without moves.
     #[must_use]
+    #[inline]
     pub fn end_s(&self) -> f64 {
         self.moves.last().map_or(0.0, |m| m.law.end_s())
     }

@@ -82,6 +82,12 @@ pub enum CampaignError {
         /// The file that is missing.
         manifest: &'static str,
     },
+    /// This build cannot write Parquet files, in which a folder keeps the runs.
+    #[error("{}: this program was built without Parquet files, in which a campaign is kept", folder.display())]
+    NoParquet {
+        /// The folder.
+        folder: PathBuf,
+    },
     /// A file of the folder is not what this program writes.
     #[error("{}: {problem}; delete the file, and its runs are made again", path.display())]
     Damaged {

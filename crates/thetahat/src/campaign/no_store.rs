@@ -1,6 +1,9 @@
 //! In a build without Parquet there is no store: campaigns run in memory.
 
-use std::{collections::BTreeMap, path::PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 use super::{
     description::Campaign,
@@ -14,6 +17,14 @@ use super::{
 pub enum Store {}
 
 impl Store {
+    /// Refuses the folder.
+    ///
+    /// # Errors
+    /// [`CampaignError::NoParquet`], always.
+    pub fn open(folder: &Path, _campaign: &Campaign) -> Result<Self, CampaignError> {
+        Err(CampaignError::NoParquet { folder: folder.to_owned() })
+    }
+
     pub(super) fn finished(
         &self,
         _campaign: &Campaign,

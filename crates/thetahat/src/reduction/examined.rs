@@ -83,7 +83,9 @@ impl<'a> Examiner<'a> {
     /// Filters a recording, and finds the reference of its motion where simulations would follow it.
     fn prepare(&self, mut recording: Recording) -> Result<PreparedRecording, ReductionError> {
         let (setup, settings) = (self.experiment.setup(), &self.experiment.settings);
-        recording.name.is_empty().then(|| recording.name = "1".to_owned());
+        if recording.name.is_empty() {
+            recording.name = "1".to_owned();
+        }
         let filtered = setup.filter(recording).map_err(|e| self.experiment.refuse(e))?;
         let simulates = settings.controller.is_some() || settings.lacks_controller();
         let reference = simulates.then(|| setup.reference(&filtered.recording).ok()).flatten();

@@ -77,7 +77,7 @@ impl ReducedIdentification<'_> {
         (largest > self.setup.settings.estimation.convergence.parameter_change).then(|| {
             format!(
                 "an estimate is {largest:.2} standard deviations from the parameters of its instruments; reduce again with \
-                 --instruments-from these results"
+                 instruments from these results"
             )
         })
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use flate2::read::ZlibDecoder;
 
-use super::super::budget::{Budget, DecompressError};
+use super::super::budget::Budget;
 use super::super::error::RecordingError;
 use super::super::table::{Column, RequestedColumns};
 use super::elements::{ByteOrder, COMPRESSED, Element, MATRIX, elements};
@@ -59,11 +59,11 @@ impl Reader<'_> {
         let damaged = || cut_or_damaged(self.path, HEADER + element.offset);
         match element.kind {
             MATRIX => Ok(Cow::Borrowed(element.data)),
-            COMPRESSED => match self.budget.decompress("a compressed variable", ZlibDecoder::new(element.data)) {
-                Ok(bytes) => self.inside(&bytes).map(Cow::Owned).ok_or_else(damaged),
-                Err(DecompressError::TooLarge(error)) => Err(error),
-                Err(DecompressError::Damaged(_)) => Err(damaged()),
-            },
+            COMPRESSED => {
+                let bytes = self.budget.decompress("a compressed variable", ZlibDecoder::new(element.data));
+                let bytes = bytes.map_err(|e| e.at(self.path, "a compressed variable"))?;
+                self.inside(&bytes).map(Cow::Owned).ok_or_else(damaged)
+            }
             _ => Err(damaged()),
         }
     }

@@ -1,13 +1,22 @@
 //! The TX40 for benchmarks and instruction counts: one state, and a motion of many samples.
 
-use std::error::Error;
+#![allow(dead_code, reason = "each program uses a part")]
 
-use thetahat::{
-    Experiment, Series,
+use std::{error::Error, path::Path};
+
+use thetahat_ground::series::Series;
+use thetahat_model::{
     base_parameters::BaseParameters,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     regressor::Regressor,
+    robot::Robot,
 };
+
+/// The robot of `robots/tx40.toml`.
+pub fn robot() -> Result<Robot, Box<dyn Error>> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/tx40.toml");
+    Ok(Robot::read(&path)?)
+}
 
 /// Joint positions of one state, rad.
 pub const Q: [f64; 6] = [0.3, -1.1, 0.7, 1.9, -0.4, 2.2];
@@ -28,9 +37,9 @@ pub struct Tx40 {
 }
 
 impl Tx40 {
-    /// The built-in experiment's robot.
+    /// With its a-priori parameters.
     pub fn new() -> Result<Self, Box<dyn Error>> {
-        let robot = Experiment::demo()?.robot;
+        let robot = robot()?;
         let model = Model::new(&robot);
         let base = BaseParameters::of(&model, &["iam6".to_owned()])?;
         Ok(Self {
@@ -48,7 +57,6 @@ pub fn state() -> State<'static> {
 }
 
 /// Positions, velocities and accelerations of a motion through the state.
-#[allow(dead_code)]
 pub fn motion(samples: usize) -> [Series; 3] {
     [Q, DQ, DDQ].map(|state| {
         let sample = |k: usize| state.map(|x| x + (0.37 * k as f64).sin());

@@ -1,16 +1,21 @@
-//! Simulations of the TX40 with and without their sensitivities to its 60 base parameters: `cargo bench -p thetahat --bench
-//! sensitivities`. No data needed.
+//! Simulations of the TX40 with and without their sensitivities to its 60 base parameters: `cargo bench -p
+//! thetahat-estimation --bench sensitivities`. No data needed.
+
+mod tx40;
 
 use divan::Bencher;
-use thetahat::{
-    ControllerDescription, Experiment, Robot,
-    base_parameters::BaseParameters,
-    dynamics::Model,
-    simulation::{ClosedLoop, OutputGrid, Reference, SensitiveTo, Sensitivities, SimulatorBias, Solver},
+use thetahat_estimation::{
+    control::ControllerDescription,
+    simulation::{
+        ClosedLoop, Job, OutputGrid, Reference, SensitiveTo, Sensitivities, SimulatorBias, Solver, simulate_all,
+    },
     trajectory::{MotionLimits, plan},
 };
-use thetahat_estimation::simulation::{Job, simulate_all};
-use thetahat_model::robot::Role;
+use thetahat_model::{
+    base_parameters::BaseParameters,
+    dynamics::Model,
+    robot::{Robot, Role},
+};
 
 const EXPLICIT: Solver = Solver::ODE45;
 const IMPLICIT: Solver = Solver::Implicit { relative_tolerance: 1e-4, absolute_tolerance: 1e-7 };
@@ -32,7 +37,7 @@ struct Bench {
 impl Bench {
     /// A PD loop of 40 Hz on every motor, and a move there and back, twice.
     fn new() -> Self {
-        let robot = Experiment::demo().expect("the built-in experiment").robot;
+        let robot = tx40::robot().expect("robots/tx40.toml");
         let model = Model::new(&robot);
         let mut theta = robot.a_priori_parameters();
         for (value, parameter) in theta.iter_mut().zip(model.parameter_table().iter()) {

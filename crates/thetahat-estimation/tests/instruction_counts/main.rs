@@ -1,7 +1,7 @@
 //! Instructions of the hot kernels, counted by valgrind and compared with those in `counts.toml`: a guard
 //! against code that has become slower without anybody noticing. Unlike times, they do not depend on how busy the machine is.
 //!
-//! `THETAHAT_UPDATE_COUNTS=1 cargo test --release -p thetahat --test instruction_counts` writes the file anew. Without
+//! `THETAHAT_UPDATE_COUNTS=1 cargo test --release -p thetahat-estimation --test instruction_counts` writes the file anew. Without
 //! valgrind, optimisation or the vector instructions of the stored counts, the tests count as ignored.
 
 #[path = "../../benches/tx40/mod.rs"]
@@ -10,13 +10,13 @@ mod tx40;
 use std::{collections::BTreeMap, error::Error, hint::black_box, path::PathBuf, process::Command};
 
 use libtest_mimic::{Arguments, Failed, Trial};
-use thetahat::{
-    Series,
-    dynamics::Sign,
+use thetahat_estimation::{
     identification::Assembly,
     signal::Decimator,
     trajectory::{MotionLimits, plan},
 };
+use thetahat_ground::series::Series;
+use thetahat_model::dynamics::Sign;
 use tx40::{DDQ, DQ, Q, SIGN, Tx40, motion, state};
 
 /// Part of a count by which it may grow.

@@ -1,11 +1,11 @@
-//! The kernels of the TX40, one by one: `cargo bench -p thetahat`. No data needed.
+//! The kernels of the TX40, one by one: `cargo bench -p thetahat-estimation`. No data needed.
 
 mod tx40;
 
-use std::path::Path;
-
 use divan::{Bencher, black_box};
-use thetahat::{Experiment, Series, dynamics::Sign, signal::Decimator};
+use thetahat_estimation::signal::Decimator;
+use thetahat_ground::series::Series;
+use thetahat_model::dynamics::Sign;
 use tx40::{DDQ, Q, SIGN, Tx40, state};
 
 fn main() {
@@ -13,7 +13,7 @@ fn main() {
 }
 
 fn tx40() -> Tx40 {
-    Tx40::new().expect("the built-in experiment")
+    Tx40::new().expect("robots/tx40.toml")
 }
 
 #[divan::bench]
@@ -63,11 +63,4 @@ fn decimate_160_channels(bencher: Bencher) {
     let series = Series::shaped(160, (0..160 * 36_800).map(|k| f64::from(k % 1009)).collect());
     let decimator = Decimator::new(100, series.len()).expect("a record that is long enough");
     bencher.bench_local(|| decimator.decimate(&series));
-}
-
-/// Everything: the twin's record, three methods, two cases.
-#[divan::bench(sample_count = 1, sample_size = 1)]
-fn demo(bencher: Bencher) {
-    let experiment = Experiment::demo().expect("the built-in experiment");
-    bencher.bench_local(|| experiment.run(Path::new(""), &mut |_| {}).map(|r| r.runs.len()));
 }
