@@ -15,7 +15,7 @@ mod peers;
 mod stages;
 mod streaming;
 mod table;
-#[path = "../../../benches/tx40/mod.rs"]
+#[path = "../../../../thetahat-estimation/benches/tx40/mod.rs"]
 mod tx40;
 
 use std::{error::Error, hint::black_box, path::Path, time::Instant};
