@@ -38,8 +38,8 @@ fn still_joint(exam: &mut Examination<'_>, signals: &Signals, j: usize) {
                 signals.peak[j]
             ),
             format!(
-                "move it, or lock it: {name:?} = {at:.6} in [locked] of the experiment, without its columns, as written by \
-                 `thetahat init --lock '{name}={at:.6}'`; if it did move, check the position channel",
+                "move it, or lock it: {name:?} = {at:.6} in [locked] of the experiment, without its columns; if it did move, check \
+                 the position channel",
                 at = mean(&signals.raw.channel(j)),
             ),
         );

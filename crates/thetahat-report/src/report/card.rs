@@ -104,6 +104,6 @@ fn because(results: &Results) -> Vec<String> {
     let mut lines: Vec<String> = reasons.iter().take(REASONS).map(|r| format!("{} [{}]", r.seen(), r.code)).collect();
     let more = reasons.len().saturating_sub(REASONS);
     let plural = if more == 1 { "" } else { "s" };
-    lines.extend((more > 0).then(|| format!("{more} more reason{plural}, with --full")));
+    lines.extend((more > 0).then(|| format!("{more} more reason{plural} in the report")));
     lines
 }

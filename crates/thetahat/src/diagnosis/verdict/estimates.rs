@@ -341,5 +341,5 @@ fn missing_remedy(results: &Results) -> String {
     if laws.is_empty() {
         return format!("no law of friction that was compared helps: {look}");
     }
-    format!("accept what the comparison of laws recommends ({}), as --full writes it out", laws.join(", "))
+    format!("accept what the comparison of laws recommends ({})", laws.join(", "))
 }
