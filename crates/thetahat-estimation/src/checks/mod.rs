@@ -18,60 +18,31 @@
 //! assert_eq!(names.len(), Code::ALL.len());
 //! ```
 
-mod a_priori;
-mod across_recordings;
-mod affine;
-mod companion;
-mod contradiction;
-mod controller;
-mod cutoff;
-mod description;
-mod dither;
-mod drift;
+mod control;
 mod examination;
-mod excitation;
-mod fault;
 mod finding;
-mod friction;
-mod friction_shapes;
-mod gear;
-mod gravity;
-mod hypotheses;
-mod lag;
-mod lag_search;
-mod late_stamps;
-mod levels;
+mod fit;
 mod motion;
 mod numbers;
-mod orthogonal_fit;
-mod position_range;
-mod reference;
-mod reference_fit;
-mod repeats;
-mod resolution;
-mod same_recording;
+mod recordings;
+mod robot;
 mod signals;
-mod spikes;
-mod stamps;
 mod subject;
-mod thinned_recording;
+mod time;
 mod torque;
-mod unexplained;
-mod velocity;
-mod wrong_robot;
 
 #[cfg(test)]
 mod tests;
 
-pub use across_recordings::{compare, measure_across_recordings};
-pub use companion::Companion;
-pub use description::examine_robot;
 pub use finding::{Code, Finding, Measure, Severity};
+pub use recordings::across_recordings::{compare, measure_across_recordings};
+pub use recordings::companion::Companion;
+pub use robot::description::examine_robot;
 pub use subject::{SignalSettings, Subject};
 
 use examination::Examination;
+use fit::thinned_recording::ThinnedRecording;
 use signals::Signals;
-use thinned_recording::ThinnedRecording;
 
 /// The findings in a recording: most severe first, then by code and joint.
 ///
@@ -109,24 +80,24 @@ fn examination<'a>(subject: &'a Subject<'a>) -> Examination<'a> {
 
 /// Checks of the samples as recorded.
 fn check_samples(exam: &mut Examination<'_>) {
-    stamps::check(exam);
-    torque::check(exam);
-    spikes::check(exam);
+    time::stamps::check(exam);
+    torque::levels::check(exam);
+    torque::spikes::check(exam);
 }
 
 /// Checks of the band-passed motion, and of recorded velocities and references.
 fn check_motion(exam: &mut Examination<'_>, signals: &Signals) {
-    motion::check(exam, signals);
-    dither::check(exam, signals);
-    levels::check(exam, signals);
+    motion::still::check(exam, signals);
+    motion::dither::check(exam, signals);
+    motion::levels::check(exam, signals);
     if !exam.has(&[Code::PositionSpikes]) {
-        repeats::check(exam, signals);
+        motion::repeats::check(exam, signals);
     }
-    resolution::check(exam, signals);
-    velocity::check(exam, signals);
-    reference::check(exam);
+    motion::resolution::check(exam, signals);
+    motion::velocity::check(exam, signals);
+    control::reference::check(exam);
     if !exam.has(&[Code::ReferenceMismatch]) {
-        controller::check(exam, signals);
+        control::controller::check(exam, signals);
     }
 }
 
@@ -135,36 +106,36 @@ fn check_fit(exam: &mut Examination<'_>, signals: &Signals, recording: &mut Thin
     let is_uninformative = exam.has(&[Code::TorqueConstant, Code::JointStill, Code::JointDither])
         || !recording.has_rows_for(recording.parameters());
     if is_uninformative {
-        return excitation::check(exam, &recording.with_estimated_parameters());
+        return motion::excitation::check(exam, &recording.with_estimated_parameters());
     }
-    if recording.is_long_enough() && gravity::check(exam, recording) {
-        return excitation::check(exam, &recording.with_estimated_parameters());
+    if recording.is_long_enough() && torque::gravity::check(exam, recording) {
+        return motion::excitation::check(exam, &recording.with_estimated_parameters());
     }
-    fault::check(exam, recording);
+    torque::fault::check(exam, recording);
     if !exam.has(&[Code::PositionScale]) {
-        position_range::check(exam, signals);
+        motion::position_range::check(exam, signals);
     }
-    friction::check(exam, recording);
-    let shapes = friction_shapes::friction_shapes(recording);
+    torque::friction::check(exam, recording);
+    let shapes = fit::friction_shapes::friction_shapes(recording);
     if recording.is_long_enough() {
-        unexplained::check(exam, recording);
+        torque::unexplained::check(exam, recording);
         if let Some(shapes) = &shapes {
-            wrong_robot::check(exam, recording, shapes);
+            robot::wrong_robot::check(exam, recording, shapes);
         }
-        a_priori::check(exam, recording);
+        robot::a_priori::check(exam, recording);
     }
-    cutoff::check(exam, recording);
-    excitation::check(exam, &recording.with_estimated_parameters());
+    time::cutoff::check(exam, recording);
+    motion::excitation::check(exam, &recording.with_estimated_parameters());
     if exam.has(&[Code::CutoffLow]) || !recording.has_full_rank() {
         return;
     }
     if let Some(shapes) = &shapes {
-        lag::check(exam, recording, shapes);
+        time::lag::check(exam, recording, shapes);
     }
     if !exam.has(&[Code::PoorFit]) {
-        gear::check(exam, recording);
+        torque::gear::check(exam, recording);
         if recording.is_long_enough() {
-            drift::check(exam, recording);
+            time::drift::check(exam, recording);
         }
     }
 }

@@ -4,16 +4,17 @@
 use std::borrow::Cow;
 
 use super::{
-    cross_validation::{CrossValidation, Folds, leave_folds_out},
-    curves,
+    curves::{self, residual},
     estimation_data::EstimationData,
     identification::{Identification, explain},
     linear::Linear,
-    no_predictive_power::{Data, no_predictive_power},
     parameters::{covariance_of, loop_parameter_results, parameter_results},
     physical::Examined,
     prepared::filtered,
-    residual_curves,
+    validation::{
+        cross_validation::{CrossValidation, Folds, leave_folds_out},
+        no_predictive_power::{Data, no_predictive_power},
+    },
 };
 use crate::{
     diagnosis::{MethodEstimate, residual},
@@ -93,16 +94,16 @@ impl Assessment<'_> {
         let at_rows = |of: fn(&Motion) -> &Series| {
             problem.at_rows(&main.iter().map(|p| of(&p.filtered.motion)).collect::<Vec<_>>())
         };
-        let motion = residual_curves::Motion {
+        let motion = residual::Motion {
             position: at_rows(|m| &m.q),
             velocity: at_rows(|m| &m.dq),
             rate_hz: main.first().map_or(0.0, |p| p.filtered.recording.sample_rate_hz) / self.decimation(),
         };
         let torque = self.torque(fit);
         let of_robot = self.job.problem.estimated.len();
-        let correlations = residual_curves::correlations(&fit.covariance);
+        let correlations = residual::correlations(&fit.covariance);
         RunPlots {
-            residual: residual_curves::residual_curves(&problem.regression, &torque, &motion),
+            residual: residual::residual_curves(&problem.regression, &torque, &motion),
             correlation: correlations.into_iter().take(of_robot).map(|row| row[..of_robot].to_vec()).collect(),
             numbers: curves::numbers(&problem.model, &problem.estimated),
             a_priori: curves::a_priori(self.data.setup().robot, &problem.model, &problem.estimated),

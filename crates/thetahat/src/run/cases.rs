@@ -10,7 +10,7 @@ use super::{
     identification::{CaseProblem, Identification},
     parameters::elimination_result,
     prepared::{PreparedRecording, filtered},
-    uncertain,
+    validation::uncertain,
 };
 use crate::{
     diagnosis::{MethodEstimate, advise, diagnose, judge},

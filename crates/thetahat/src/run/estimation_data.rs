@@ -1,6 +1,8 @@
 //! What estimations are made from: recordings, or a reduction of them.
 
-use super::{cross_validation::Folds, identification::Identification, reduced_data::ReducedIdentification};
+use super::{
+    identification::Identification, reduced::data::ReducedIdentification, validation::cross_validation::Folds,
+};
 use crate::preparation::{Problem, Setup};
 
 /// Where the rows of a problem come from.

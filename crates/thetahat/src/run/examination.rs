@@ -2,7 +2,7 @@ use super::{
     identification::CaseProblem,
     parameters::parameter_results,
     prepared::{PreparedRecording, filtered},
-    uncertain,
+    validation::uncertain,
 };
 use crate::preparation::{Case, FilteredRecording, PreparationError, Problem, Recording, Setup};
 use thetahat_estimation::{

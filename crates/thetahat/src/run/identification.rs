@@ -3,9 +3,9 @@
 use std::sync::OnceLock;
 
 use super::{
-    cross_validation::Folds,
     prepared::{PreparedRecording, filtered},
-    profiled_robot::with_profiled_terms,
+    terms::profiled_robot::with_profiled_terms,
+    validation::cross_validation::Folds,
 };
 use crate::{
     preparation::{

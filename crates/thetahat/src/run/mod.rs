@@ -18,36 +18,24 @@
 mod assessment;
 mod bandwidth;
 mod cases;
-mod column_source;
-mod consistent_data;
-mod cross_validation;
 mod curves;
-mod drive_gains;
 mod estimation_data;
 mod examination;
 mod hidden_bias;
 mod identification;
 mod linear;
-mod no_predictive_power;
-mod not_physical;
 mod parameters;
 mod payload;
 mod physical;
 mod prediction;
 mod prepared;
-mod profile;
-mod profiled_robot;
 mod reduced;
-mod reduced_data;
 mod regression;
-mod residual_curves;
 mod sensitivity;
-mod term_comparison;
-mod uncertain;
-mod unmasked_comparison;
+mod terms;
 mod user_estimators;
+mod validation;
 
-pub(crate) use cross_validation::Folds;
 pub(crate) use curves::skeleton_in;
 pub(crate) use examination::{ExaminationModel, check_recordings, compare, examine, examine_robot};
 #[doc(hidden)]
@@ -55,6 +43,7 @@ pub use identification::Identification;
 pub(crate) use identification::{CaseProblem, explain};
 pub(crate) use prediction::{Identified, predict_torques};
 pub(crate) use prepared::PreparedRecording;
+pub(crate) use reduced::data::{ReducedData, ReducedIdentification, SimulatedInstruments};
 #[doc(hidden)]
-pub use profiled_robot::with_constants;
-pub(crate) use reduced_data::{ReducedData, ReducedIdentification, SimulatedInstruments};
+pub use terms::profiled_robot::with_constants;
+pub(crate) use validation::cross_validation::Folds;

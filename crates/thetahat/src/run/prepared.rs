@@ -1,4 +1,4 @@
-use super::cross_validation::Folds;
+use super::validation::cross_validation::Folds;
 use crate::preparation::{
     FilteredRecording, FoundPeriod, PreparationError, Problem, RecordedReference, Recording, Setup,
 };

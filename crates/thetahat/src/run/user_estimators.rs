@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::{cross_validation::interval, identification::Identification, prepared::filtered};
+use super::{identification::Identification, prepared::filtered, validation::cross_validation::interval};
 use crate::{
     diagnosis::MethodEstimate,
     preparation::{Case, PreparationError, Problem},

@@ -5,11 +5,11 @@ use serde::Serialize;
 use super::figure::{Key, in_case, main_run, named};
 use crate::{
     report::{
-        grades::{self, counted},
         number::{NONE, estimate},
         plot::{Tick, pixel},
         published::Published,
         tables::runs_of,
+        text::grades::{self, counted},
     },
     results::{DesignResults, Grade, NOMINAL, ParameterResult, PredictedParameter, Results, RunResult},
 };

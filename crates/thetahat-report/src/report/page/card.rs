@@ -4,10 +4,12 @@ use serde::Serialize;
 
 use crate::{
     report::{
-        card::physically,
-        grades::{class, is_counted},
         names,
         number::significant,
+        text::{
+            card::physically,
+            grades::{class, is_counted},
+        },
     },
     results::{Card, Grade, Method, Physical, Results, Unseen, Verdict},
 };

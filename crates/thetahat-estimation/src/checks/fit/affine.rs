@@ -1,0 +1,100 @@
+//! Corrections of a recording that are affine in its positions and linear in its torques.
+
+use crate::signal::Motion;
+use thetahat_ground::{linear_algebra::Matrix, series::Series};
+use thetahat_model::robot::Robot;
+
+/// The correction of a recording: `q' = A q + b`, with the same `A` for its derivatives, and `tau' = T tau`.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::checks) struct Affine {
+    pub(in crate::checks) position: Matrix,
+    pub(in crate::checks) shift: Vec<f64>,
+    pub(in crate::checks) torque: Matrix,
+}
+
+impl Affine {
+    pub(in crate::checks) fn identity(n: usize) -> Self {
+        Self { position: Matrix::identity(n), shift: vec![0.0; n], torque: Matrix::identity(n) }
+    }
+
+    /// Positions times a factor for each coordinate, about `center`.
+    pub(in crate::checks) fn scaled_positions(factor: &[f64], center: &[f64]) -> Self {
+        let shift = factor.iter().zip(center).map(|(f, c)| c * (1.0 - f)).collect();
+        Self { position: diagonal(factor), shift, ..Self::identity(factor.len()) }
+    }
+
+    /// Torques times a factor for each coordinate.
+    pub(in crate::checks) fn scaled_torques(factor: &[f64]) -> Self {
+        Self { torque: diagonal(factor), ..Self::identity(factor.len()) }
+    }
+
+    /// Positions plus a shift.
+    pub(in crate::checks) fn shifted(shift: Vec<f64>) -> Self {
+        let n = shift.len();
+        Self { shift, ..Self::identity(n) }
+    }
+
+    /// Positions of coordinates `a` and `b` exchanged.
+    pub(in crate::checks) fn exchanged_positions(n: usize, a: usize, b: usize) -> Self {
+        Self { position: permutation(n, a, b), ..Self::identity(n) }
+    }
+
+    /// Torques of coordinates `a` and `b` exchanged.
+    pub(in crate::checks) fn exchanged_torques(n: usize, a: usize, b: usize) -> Self {
+        Self { torque: permutation(n, a, b), ..Self::identity(n) }
+    }
+
+    /// The same motors with gear ratios that are `factor` times as large: `q' = N^-1 D^-1 N (q - o) + o` and
+    /// `tau' = N^T D N^-T tau`. `None` if N is singular.
+    pub(in crate::checks) fn geared(robot: &Robot, factor: &[f64]) -> Option<Self> {
+        let n = robot.transmission.matrix();
+        let inverse = n.inverse()?;
+        let slower: Vec<f64> = factor.iter().map(|f| 1.0 / f).collect();
+        let position = inverse.times_matrix(&diagonal(&slower)).times_matrix(n);
+        let torque = n.transpose().times_matrix(&diagonal(factor)).times_matrix(&inverse.transpose());
+        let offset = robot.transmission.offset();
+        let shift = offset.iter().zip(position.times(offset)).map(|(o, turned)| o - turned).collect();
+        Some(Self { position, shift, torque })
+    }
+
+    pub(in crate::checks) fn motion(&self, motion: &Motion) -> Motion {
+        let zero = vec![0.0; self.shift.len()];
+        Motion {
+            q: map(&self.position, &self.shift, &motion.q),
+            dq: map(&self.position, &zero, &motion.dq),
+            ddq: map(&self.position, &zero, &motion.ddq),
+        }
+    }
+
+    pub(in crate::checks) fn torque(&self, torque: &Series) -> Series {
+        map(&self.torque, &vec![0.0; self.shift.len()], torque)
+    }
+}
+
+pub(in crate::checks) fn diagonal(entries: &[f64]) -> Matrix {
+    Matrix::from_fn(entries.len(), entries.len(), |i, j| if i == j { entries[i] } else { 0.0 })
+}
+
+fn permutation(n: usize, a: usize, b: usize) -> Matrix {
+    let image = |i: usize| {
+        if i == a {
+            b
+        } else if i == b {
+            a
+        } else {
+            i
+        }
+    };
+    Matrix::from_fn(n, n, |i, j| if image(i) == j { 1.0 } else { 0.0 })
+}
+
+fn map(matrix: &Matrix, shift: &[f64], series: &Series) -> Series {
+    let mut mapped = Series::zeros(series.len(), series.channels());
+    for k in 0..series.len() {
+        let (from, to) = (series.sample(k), mapped.sample_mut(k));
+        for (i, t) in to.iter_mut().enumerate() {
+            *t = shift[i] + from.iter().enumerate().map(|(j, v)| matrix.at(i, j) * v).sum::<f64>();
+        }
+    }
+    mapped
+}

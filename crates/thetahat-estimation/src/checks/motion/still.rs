@@ -1,0 +1,104 @@
+//! Joints that do not move, and times at which no joint moves.
+
+use crate::checks::{
+    examination::{Evidence, Examination, FindingText},
+    finding::{Code, Severity},
+    numbers::{mean, span},
+    signals::{STILL, Signals},
+};
+
+/// Part of its peak velocity below which a joint counts as at rest.
+const AT_REST: f64 = 0.01;
+/// Evidence of a joint that does not move at all.
+const SLOWEST: f64 = 1e6;
+/// Shortest rest, in periods of the position filter's cut-off: shorter ones are reversals.
+const REST_PERIODS: f64 = 10.0;
+/// Rest, percent of the window; the clean recordings have none.
+const REST_LIMIT_PERCENT: f64 = 6.0;
+
+pub(in crate::checks) fn check(exam: &mut Examination<'_>, signals: &Signals) {
+    (0..signals.coordinates()).for_each(|j| still_joint(exam, signals, j));
+    still_periods(exam, signals);
+}
+
+/// Checks whether a joint is slower than [`STILL`]; the evidence is how many times slower.
+fn still_joint(exam: &mut Examination<'_>, signals: &Signals, j: usize) {
+    let value = (STILL / signals.peak[j]).min(SLOWEST);
+    let evidence = Evidence { code: Code::JointStill, coordinate: Some(j), value, unit: "times too slow", limit: 1.0 };
+    let parameters = exam.subject.parameter_names_of(j);
+    let number = exam.subject.joint_number(j);
+    let name = exam.subject.robot.coordinates().nth(j).map_or("", |joint| joint.name.as_str());
+    // A joint that is held on purpose does no harm if none of its parameters is estimated.
+    let severity = if parameters.is_empty() { Severity::Note } else { Severity::Problem };
+    exam.judge(evidence, severity, || {
+        let text = FindingText::new(
+            format!(
+                "joint {number} does not move: it spans {:.2e} rad or m, and its velocity stays below {:.1e}",
+                span(&signals.raw.channel(j)),
+                signals.peak[j]
+            ),
+            format!(
+                "move it, or lock it: {name:?} = {at:.6} in [locked] of the experiment, without its columns; if it did move, check \
+                 the position channel",
+                at = mean(&signals.raw.channel(j)),
+            ),
+        );
+        text.about(parameters)
+    });
+}
+
+fn still_periods(exam: &mut Examination<'_>, signals: &Signals) {
+    let shortest = (REST_PERIODS * exam.subject.sample_rate_hz / exam.subject.signal.cutoff_hz).ceil() as usize;
+    let rests = rests(signals, shortest);
+    let still: usize = rests.iter().map(|r| r.len()).sum();
+    let value = 100.0 * still as f64 / signals.raw.len() as f64;
+    let evidence = Evidence {
+        code: Code::StillPeriod,
+        coordinate: None,
+        value,
+        unit: "% of the window",
+        limit: REST_LIMIT_PERCENT,
+    };
+    let (rate, start) = (exam.subject.sample_rate_hz, exam.subject.signal.window.start);
+    let left_out = exam.subject.rests_left_out;
+    exam.judge(evidence, if left_out { Severity::Note } else { Severity::Warning }, || {
+        let at = |k: usize| (start + k) as f64 / rate;
+        let (consequence, remedy) = if left_out {
+            ("these samples are not used", "nothing to do: [signal] mask leaves them out")
+        } else {
+            (
+                "there the sign of the velocity is noise",
+                "leave them out by mask = \"near-rest\" in [signal], or set window_start_s and window_end_s to the moving part",
+            )
+        };
+        let longest = rests.iter().max_by_key(|r| r.len()).cloned().unwrap_or(0..0);
+        FindingText::new(
+            format!(
+                "no joint moves for {value:.0} % of the window, the longest time from {:.3} s to {:.3} s; {consequence}",
+                at(longest.start),
+                at(longest.end)
+            ),
+            remedy,
+        )
+    });
+}
+
+/// Stretches of at least `shortest` samples in which no joint moves.
+fn rests(signals: &Signals, shortest: usize) -> Vec<std::ops::Range<usize>> {
+    let at_rest = |k: usize| {
+        let v = signals.dq.sample(k);
+        (0..v.len()).all(|j| !signals.moves(j) || v[j].abs() < AT_REST * signals.peak[j])
+    };
+    let mut rests = Vec::new();
+    let mut start = 0;
+    for k in 0..=signals.dq.len() {
+        if k < signals.dq.len() && at_rest(k) {
+            continue;
+        }
+        if k - start >= shortest {
+            rests.push(start..k);
+        }
+        start = k + 1;
+    }
+    rests
+}

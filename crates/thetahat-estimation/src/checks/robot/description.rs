@@ -1,0 +1,22 @@
+//! Physically impossible values in the robot's description.
+
+use crate::checks::finding::{Code, Finding, Severity};
+use thetahat_model::robot::{Doubt, Robot};
+
+/// The findings of a robot's description, which is used unchanged.
+#[must_use]
+pub fn examine_robot(robot: &Robot) -> Vec<Finding> {
+    let finding = |doubt: &Doubt| Finding {
+        code: Code::RobotDescription,
+        severity: Severity::Warning,
+        joint: None,
+        joint_name: None,
+        value: doubt.value,
+        unit: doubt.unit.to_owned(),
+        limit: Some(0.0),
+        message: format!("{}: {}", doubt.place, doubt.what),
+        remedy: doubt.remedy.to_owned(),
+        parameters: Vec::new(),
+    };
+    robot.doubts.iter().map(finding).collect()
+}

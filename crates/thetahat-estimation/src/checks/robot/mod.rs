@@ -1,0 +1,5 @@
+//! Checks of the robot's description.
+
+pub(in crate::checks) mod a_priori;
+pub(in crate::checks) mod description;
+pub(in crate::checks) mod wrong_robot;

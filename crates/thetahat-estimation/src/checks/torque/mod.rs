@@ -1,0 +1,10 @@
+//! Checks of the torques against the model.
+
+pub(in crate::checks) mod fault;
+pub(in crate::checks) mod friction;
+pub(in crate::checks) mod gear;
+pub(in crate::checks) mod gravity;
+pub(in crate::checks) mod hypotheses;
+pub(in crate::checks) mod levels;
+pub(in crate::checks) mod spikes;
+pub(in crate::checks) mod unexplained;

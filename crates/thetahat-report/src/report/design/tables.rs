@@ -1,0 +1,270 @@
+//! A design as facts, sentences and tables.
+
+use crate::{
+    report::{
+        number::{NONE, estimate, significant},
+        table::Table,
+    },
+    results::{
+        CollisionResults, DesignResults, Grade, LimitUse, PairDistance, PredictedGain, PredictedParameter,
+        PredictedPayload, SpectrumBound,
+    },
+};
+use thetahat_ground::visible::visible;
+
+fn duration_s(results: &DesignResults) -> f64 {
+    results.q.len().saturating_sub(1) as f64 / results.sample_rate_hz
+}
+
+pub(in crate::report) fn facts(results: &DesignResults) -> Vec<(&'static str, String)> {
+    let best = results.starts.first().map_or(f64::NAN, |s| s.found);
+    vec![
+        ("robot", results.robot.clone()),
+        ("motion", motion(results)),
+        ("criterion", format!("{}: {best:.2} nats, the best of {} starts", results.criterion, results.starts.len())),
+        (
+            "predicted",
+            format!(
+                "{} on {}",
+                results.method,
+                if results.is_closed_loop { "the simulated loop" } else { "the motion as designed" }
+            ),
+        ),
+    ]
+}
+
+fn motion(results: &DesignResults) -> String {
+    let sweeps = if results.sweeps > 0 { format!(" and {} sweeps", results.sweeps) } else { String::new() };
+    let moves = results.moves.as_ref().map(|moves| moves.moves().len() - results.sweeps);
+    let kind = moves.map_or_else(String::new, |moves| format!(", {moves} moves{sweeps}"));
+    format!("{} s at {} Hz{kind}, from rest to rest", significant(duration_s(results), 4), results.sample_rate_hz)
+}
+
+/// The conclusions from the tables.
+pub(in crate::report) fn conclusions(results: &DesignResults) -> Vec<String> {
+    let known = || results.predicted.iter().filter(|p| p.a_priori != 0.0);
+    let count = |grade: Grade| known().filter(|p| p.grade() == grade).count();
+    let [precise, rough, lost] = [Grade::Precise, Grade::Rough, Grade::NotIdentified].map(count);
+    let (all, known_ones) = (results.predicted.len(), known().count());
+    let mut lines = vec![format!(
+        "{all} parameters are predicted. Of the {known_ones} whose a-priori value is not zero, if that is right: {precise} precise, \
+         {rough} rough, {lost} not distinguishable from zero."
+    )];
+    let unknown: Vec<&str> = known().filter(|p| p.grade() == Grade::NotIdentified).map(|p| p.name.as_str()).collect();
+    if !unknown.is_empty() {
+        lines.push(format!("Not distinguishable from zero: {}.", unknown.join(", ")));
+        lines.extend(remedy(results));
+    }
+    lines.extend(results.limits.iter().max_by(|a, b| a.part.total_cmp(&b.part)).map(|worst| {
+        format!(
+            "No limit is exceeded at 1 kHz; the closest is the {} of {}, used to {:.1} % at {:.3} s.",
+            worst.quantity.name(),
+            visible(&worst.joint),
+            100.0 * worst.part,
+            worst.at_s
+        )
+    }));
+    lines.extend(results.uncertainty.map(|(draws, percent)| {
+        format!(
+            "Torque and power limits hold for the a-priori parameters and for {draws} random robots with parameters {} % off; the criterion \
+             does not depend on them.",
+            significant(percent, 3)
+        )
+    }));
+    lines.extend(results.payload.iter().map(payload));
+    lines.extend(results.collision.iter().flat_map(nearness));
+    lines.extend(results.compared.iter().map(|[title, method]| narrower(results, title, method)));
+    let best = results.starts.first().map(|s| s.found);
+    lines.extend(results.repeated.zip(best).map(|(repeated, best)| repetition(repeated, best)));
+    lines
+}
+
+/// Recording time until the intervals exclude zero, with this motion and with one designed for such parameters alone.
+fn remedy(results: &DesignResults) -> Option<String> {
+    let duration_s = duration_s(results);
+    let one = |p: &PredictedParameter| {
+        let times = p.narrower_by_own_motion?;
+        let seconds = duration_s * (p.half_width_95 / p.a_priori).powi(2);
+        let [seconds, own] = [seconds, seconds / times.powi(2)].map(|s| significant(s, 2));
+        Some(format!("{} after {seconds} s of this motion or {own} s of its own", p.name))
+    };
+    let all: Vec<String> = results.predicted.iter().filter_map(one).collect();
+    (!all.is_empty()).then(|| {
+        format!(
+            "Remedy: a motion designed for them alone ([wanted] criterion = \"chosen\", parameters = their names), or a longer \
+             recording. Distinguishable from zero, by the information of both motions: {}. A known payload does not help \
+             with these.",
+            all.join("; ")
+        )
+    })
+}
+
+/// The requirements of a payload, and the predicted intervals of the drive gains.
+fn payload(payload: &PredictedPayload) -> String {
+    let identifiable = |gain: &PredictedGain| {
+        let percent = gain.half_width_percent?;
+        Some(format!("{} to {} %", visible(&gain.joint), significant(percent, 2)))
+    };
+    let all: Vec<String> = payload.gains.iter().filter_map(identifiable).collect();
+    let not_identifiable = payload.gains.iter().filter(|gain| gain.half_width_percent.is_none());
+    let not_identifiable: Vec<String> = not_identifiable.map(|gain| visible(&gain.joint).into_owned()).collect();
+    let listed = |list: &[String]| if list.is_empty() { "none".to_owned() } else { list.join(", ") };
+    format!(
+        "Payload {} of {} kg: limits hold with and without it. It is known, so the robot's parameters are identified as \
+         well as without it. A second recording without it identifies the drive gains (half width of the 95 % interval): {}. \
+         Not identifiable: {}.",
+        visible(&payload.name),
+        significant(payload.mass_kg, 4),
+        listed(&all),
+        listed(&not_identifiable)
+    )
+}
+
+/// The intervals compared with those of earlier results.
+fn narrower(results: &DesignResults, title: &str, method: &str) -> String {
+    let times: Vec<f64> = results.predicted.iter().filter_map(PredictedParameter::times_smaller).collect();
+    let mean = (times.iter().map(|t| t.ln()).sum::<f64>() / times.len() as f64).exp();
+    let wider = results.predicted.iter().filter(|p| p.times_smaller().is_some_and(|t| t < 1.0));
+    let wider: Vec<&str> = wider.map(|p| p.name.as_str()).collect();
+    let also = if wider.is_empty() { "none is wider".to_owned() } else { format!("wider: {}", wider.join(", ")) };
+    format!(
+        "Compared with {method} of {}: for {} parameters the intervals are {} times narrower in the geometric mean; {also}.",
+        visible(title),
+        times.len(),
+        significant(mean, 3)
+    )
+}
+
+/// Whether the motion is better than repeating the last recording.
+fn repetition(repeated: f64, best: f64) -> String {
+    let gain = repeated - best;
+    if gain >= 0.0 {
+        format!("Repeating the last recording for the same time would give a criterion {gain:.2} nats higher (worse).")
+    } else {
+        format!(
+            "Repeat the last recording instead: for the same time its criterion is {:.2} nats lower (better).",
+            -gain
+        )
+    }
+}
+
+/// Whether the motion is within the bandwidths of filters and controller.
+pub(in crate::report) fn frequencies(results: &DesignResults) -> Vec<String> {
+    let spectrum = &results.spectrum;
+    let end = spectrum.end_hz.iter().copied().fold(0.0, f64::max);
+    let bound = |b: &SpectrumBound| format!("{} {} Hz", b.name, significant(b.frequency_hz, 3));
+    let bounds: Vec<String> = spectrum.bounds.iter().map(bound).collect();
+    let passed: Vec<&str> = spectrum.bounds.iter().filter(|b| b.frequency_hz < end).map(|b| b.name).collect();
+    let verdict = match passed[..] {
+        [] => "all of them pass the motion".to_owned(),
+        _ => format!("the motion exceeds: {}", passed.join(", ")),
+    };
+    vec![format!(
+        "99 % of the variance of each joint's acceleration lies below {} Hz. Bandwidths: {}; {verdict}.",
+        significant(end, 3),
+        bounds.join(", ")
+    )]
+}
+
+/// The smallest distance of shapes, and what is not covered.
+pub(in crate::report) fn nearness(collision: &CollisionResults) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(nearest) = collision.pairs.first() {
+        let at = nearest.at_s.map_or_else(|| "on the path from home".to_owned(), |at| format!("at {at:.3} s"));
+        lines.push(format!(
+            "All shapes stay at least {} mm apart at 1 kHz; the closest are {} and {}, {} mm {at}.",
+            significant(1e3 * collision.margin, 4),
+            visible(&nearest.first),
+            visible(&nearest.second),
+            significant(1e3 * nearest.distance, 4)
+        ));
+    }
+    if !collision.has_way {
+        lines.push("The path to the first posture is not covered: give [collision] home.".to_owned());
+    }
+    if !collision.uncovered.is_empty() {
+        let names: Vec<_> = collision.uncovered.iter().map(|name| visible(name)).collect();
+        lines.push(format!(
+            "Not covered, since their shapes are meshes: {}. Give [collision] capsules.",
+            names.join(", ")
+        ));
+    }
+    lines
+}
+
+pub(in crate::report) fn distances(collision: &CollisionResults) -> Table {
+    let row = |pair: &PairDistance| {
+        vec![
+            visible(&pair.first).into_owned(),
+            visible(&pair.second).into_owned(),
+            significant(1e3 * pair.distance, 4),
+            pair.at_s.map_or_else(|| "from home".to_owned(), |at| format!("{at:.3}")),
+        ]
+    };
+    Table {
+        title: "Smallest distances at 1 kHz".to_owned(),
+        lead: 2,
+        head: strings(&["link", "from", "mm", "at, s"]),
+        rows: collision.pairs.iter().map(row).collect(),
+        ..Table::default()
+    }
+}
+
+fn strings(texts: &[&str]) -> Vec<String> {
+    texts.iter().map(|t| (*t).to_owned()).collect()
+}
+
+pub(in crate::report) fn predicted(results: &DesignResults) -> Table {
+    let time_for = format!("s for {} %", significant(results.half_width_percent, 3));
+    let row = |p: &PredictedParameter| {
+        let percent = (p.a_priori != 0.0).then(|| 100.0 * p.half_width_95 / p.a_priori.abs());
+        vec![
+            p.name.clone(),
+            p.unit.clone(),
+            estimate(p.a_priori, Some(p.half_width_95)),
+            significant(p.standard_deviation, 3),
+            significant(p.half_width_95, 3),
+            percent.map_or_else(|| NONE.to_owned(), |v| significant(v, 3)),
+            p.seconds.map_or_else(|| NONE.to_owned(), |s| significant(s, 2)),
+            if p.a_priori == 0.0 { NONE.to_owned() } else { p.grade().name().to_owned() },
+        ]
+        .into_iter()
+        .chain(
+            results
+                .compared
+                .iter()
+                .map(|_| p.times_smaller().map_or_else(|| NONE.to_owned(), |times| significant(times, 3))),
+        )
+        .collect()
+    };
+    let mut head = strings(&["name", "unit", "a priori", "deviation", "half of 95 %", "in %", &time_for, "grade"]);
+    head.extend(results.compared.iter().map(|_| "times as narrow".to_owned()));
+    Table {
+        title: "Predicted intervals".to_owned(),
+        lead: 1,
+        head,
+        rows: results.predicted.iter().map(row).collect(),
+        notes: vec![format!(
+            "half of 95 %: predicted half width of interval_95 by {}; {time_for}: recording time for it, by repeating the motion. Intervals \
+             shrink with the root of the time.",
+            results.method
+        )],
+        ..Table::default()
+    }
+}
+
+pub(in crate::report) fn limits(results: &DesignResults) -> Table {
+    let row = |l: &LimitUse| {
+        let [low, high] = l.limit.map(|v| significant(v, 4));
+        let [least, most] = l.reached.map(|v| significant(v, 4));
+        let (used, at) = (format!("{:.1}", 100.0 * l.part), format!("{:.3}", l.at_s));
+        vec![visible(&l.joint).into_owned(), l.quantity.name().to_owned(), low, high, least, most, used, at]
+    };
+    Table {
+        title: "Limits at 1 kHz, SI".to_owned(),
+        lead: 2,
+        head: strings(&["joint", "quantity", "lower", "upper", "min", "max", "used, %", "at, s"]),
+        rows: results.limits.iter().map(row).collect(),
+        ..Table::default()
+    }
+}

@@ -1,0 +1,111 @@
+//! The verdict card for the terminal.
+
+use super::grades::counted;
+use crate::{
+    report::{
+        number::significant,
+        wrap::{TextWidth, labelled},
+    },
+    results::{Card, Grade, Physical, Results, Unseen, Verdict},
+};
+
+/// Columns of the labels.
+const LABEL: usize = 12;
+
+/// Reasons on the card.
+const REASONS: usize = 3;
+
+/// The verdict in a few words, with a symbol that does not need colour.
+#[must_use]
+pub fn headline(results: &Results) -> String {
+    headline_of(&results.card())
+}
+
+fn headline_of(card: &Card) -> String {
+    let case = card.case.as_ref().map(|case| format!(" ({case})")).unwrap_or_default();
+    let method = card.method.map_or_else(|| "no method is recommended".to_owned(), |m| format!("use {m}{case}"));
+    match card.verdict {
+        Some(Verdict::Good) => format!("\u{2713} GOOD: {method}"),
+        Some(Verdict::Care) => format!("! CARE: {method}, read why"),
+        Some(Verdict::DoNotUse) => "\u{2717} DO NOT USE these numbers".to_owned(),
+        None => format!("? NOT JUDGED: {method}"),
+    }
+}
+
+/// The numbers, the reasons of the verdict, and what to do next: the lines above the headline, which is printed last.
+#[must_use]
+pub fn card_text(results: &Results, width: TextWidth) -> String {
+    let card = results.card();
+    let because = because(results).into_iter().map(|text| ("because", text));
+    let next = if card.verdict == Some(Verdict::Good) { "to improve" } else { "next" };
+    let numbered = |(number, action): (usize, &String)| {
+        let label = if number == 0 { next } else { "" };
+        (label, format!("{}. {action}", number + 1))
+    };
+    let lines = facts(&card).into_iter().chain(because).chain(card.actions.iter().enumerate().map(numbered));
+    lines.map(|(label, text)| labelled(label, &text, LABEL, width)).collect()
+}
+
+/// Errors, the worst joint and the grades of the parameters; empty without a recommended method.
+fn facts(card: &Card) -> Vec<(&'static str, String)> {
+    let Some(method) = card.method else { return Vec::new() };
+    let worst = |(name, percent): &(String, f64)| format!("{name}, {} %", significant(*percent, 3));
+    let facts = [
+        card.relative_error_percent.map(|error| ("error", format!("{} %{}", significant(error, 3), validation(card)))),
+        card.worst_joint.as_ref().map(|joint| ("worst joint", worst(joint))),
+        card.physical
+            .filter(|_| card.verdict != Some(Verdict::DoNotUse))
+            .map(|physical| ("physical", physically(physical).to_owned())),
+        Some(("parameters", known(card))),
+        quotable(card).map(|names| ("quote", names)),
+    ];
+    let method =
+        (card.verdict == Some(Verdict::DoNotUse)).then(|| ("method", format!("{method} (shown, not recommended)")));
+    method.into_iter().chain(facts.into_iter().flatten()).collect()
+}
+
+fn validation(card: &Card) -> String {
+    let Some(unseen) = card.unseen else { return "; not validated".to_owned() };
+    let on = match unseen {
+        Unseen::HeldBack(_) => "recordings held back",
+        Unseen::LeftOut(_) => "parts left out in turn",
+    };
+    format!("; {} % on data not used ({on})", significant(unseen.percent(), 3))
+}
+
+/// Whether the estimates are physically consistent.
+pub(in crate::report) fn physically(physical: Physical) -> &'static str {
+    match physical {
+        Physical::Yes => "yes, physically consistent",
+        Physical::WithinNoise => "physically inconsistent, but within noise",
+        Physical::No => "physically inconsistent, e.g. a negative inertia; do not simulate with these",
+    }
+}
+
+/// How many parameters have each grade; none if no number can be used.
+fn known(card: &Card) -> String {
+    if card.verdict == Some(Verdict::DoNotUse) {
+        return "none can be used".to_owned();
+    }
+    let counts = Grade::ALL.into_iter().zip(card.parameters.iter().map(Vec::len));
+    let doubt = if card.model_is_doubted { "; grades are valid only if the model is" } else { "" };
+    format!("{} of {}{doubt}", counted(counts), card.parameter_count())
+}
+
+/// The names of the parameters that can be quoted one by one, if numbers can be used.
+fn quotable(card: &Card) -> Option<String> {
+    let [precise, ..] = &card.parameters;
+    let all = card.parameter_count();
+    let rest = if precise.len() < all { format!(" (to predict torques, use all {all})") } else { String::new() };
+    (card.verdict != Some(Verdict::DoNotUse) && !precise.is_empty()).then(|| precise.join(" ") + &rest)
+}
+
+/// The most serious reasons, and the number of others.
+fn because(results: &Results) -> Vec<String> {
+    let reasons = &results.verdict_reasons;
+    let mut lines: Vec<String> = reasons.iter().take(REASONS).map(|r| format!("{} [{}]", r.seen(), r.code)).collect();
+    let more = reasons.len().saturating_sub(REASONS);
+    let plural = if more == 1 { "" } else { "s" };
+    lines.extend((more > 0).then(|| format!("{more} more reason{plural} in the report")));
+    lines
+}
