@@ -5,6 +5,8 @@ pub mod series;
 
 pub mod linear_algebra;
 
+pub mod quadratic_program;
+
 mod conversions;
 
 pub mod real;

@@ -1,8 +1,5 @@
-use crate::design::{
-    motions::{family::MotionPoint, sums::Derivatives},
-    search::quadratic::Row,
-};
-use thetahat_ground::series::Series;
+use crate::design::motions::{family::MotionPoint, sums::Derivatives};
+use thetahat_ground::{quadratic_program::Row, series::Series};
 use thetahat_model::collision::Scene;
 use thetahat_report::results::{CollisionResults, PairDistance};
 

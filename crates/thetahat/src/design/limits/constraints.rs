@@ -6,8 +6,8 @@ use crate::design::{
         family::{MotionPoint, Motions},
         sums::Derivatives,
     },
-    search::quadratic::Row,
 };
+use thetahat_ground::quadratic_program::Row;
 use thetahat_report::results::Limited;
 
 /// The limits of positions and their derivatives along a motion.

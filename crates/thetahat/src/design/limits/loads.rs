@@ -1,9 +1,8 @@
 use crate::design::{
     limits::joint_limits::JointLimits,
     motions::{family::MotionPoint, sums::Derivatives},
-    search::quadratic::Row,
 };
-use thetahat_ground::series::Series;
+use thetahat_ground::{quadratic_program::Row, series::Series};
 use thetahat_model::{
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     regressor::Regressor,

@@ -1,12 +1,9 @@
-use crate::design::{
-    motions::{
-        moves::{MoveFamily, Point},
-        sums::{Derivatives, Sampled, Slopes, Sums},
-    },
-    search::quadratic::Row,
+use crate::design::motions::{
+    moves::{MoveFamily, Point},
+    sums::{Derivatives, Sampled, Slopes, Sums},
 };
 use thetahat_estimation::trajectory::Moves;
-use thetahat_ground::series::Series;
+use thetahat_ground::{quadratic_program::Row, series::Series};
 
 /// The motions to choose from, as functions of unknowns, at the instants where they are evaluated.
 #[derive(Debug, Clone)]

@@ -1,13 +1,11 @@
 //! Derivatives of moves by their unknowns, and constraints on the unknowns themselves.
 
-use crate::design::{
-    motions::{
-        fourier::ORDERS,
-        moves::{MoveFamily, Point},
-        sums::Slopes,
-    },
-    search::quadratic::Row,
+use crate::design::motions::{
+    fourier::ORDERS,
+    moves::{MoveFamily, Point},
+    sums::Slopes,
 };
+use thetahat_ground::quadratic_program::Row;
 
 impl MoveFamily {
     /// The derivative by the unknowns of a function with these derivatives at points.

@@ -5,6 +5,5 @@ pub(in crate::design) mod crossing;
 pub(in crate::design) mod information;
 pub(in crate::design) mod optimiser;
 pub(in crate::design) mod problem;
-pub(in crate::design) mod quadratic;
 pub(in crate::design) mod searches;
 pub(in crate::design) mod starts;

@@ -4,10 +4,11 @@ use crate::design::{
         family::{MotionPoint, Motions},
         sums::{Derivatives, Slopes},
     },
-    search::{criterion::Criterion, information::Information, quadratic},
+    search::{criterion::Criterion, information::Information},
 };
 use thetahat_ground::{
     linear_algebra::{Matrix, dot},
+    quadratic_program,
     series::Series,
 };
 use thetahat_model::dynamics::Sign;
@@ -176,7 +177,7 @@ impl Problem {
         for _ in 0..MOST_ROUNDS {
             let mut rows = self.constraints.rows(at, &places);
             rows.extend(others.iter().cloned());
-            let step = quadratic::least(hessian, &state.gradient, &rows, PRICE)?;
+            let step = quadratic_program::least(hessian, &state.gradient, &rows, PRICE)?;
             found = Some(step);
             let reached = found.as_ref().map(|step| self.watched.at(&moved(&state.x, step, 1.0)))?;
             if !self.constraints.add_violated(&reached, &mut places) {

@@ -1,28 +1,30 @@
-//! Convex quadratic programs: the only file of the designs that uses the solver's library.
+//! Convex quadratic programs: the only module that uses the solver's library.
 
 use clarabel::{
     algebra::CscMatrix,
     solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus},
 };
 
-use thetahat_ground::linear_algebra::Matrix;
+use crate::linear_algebra::Matrix;
 
 /// `sum_i a_i p_i <= bound`, or with the slack that all soft rows share.
 #[derive(Debug, Clone)]
-pub(in crate::design) struct Row {
+pub struct Row {
     /// First unknown of the entries.
-    pub(in crate::design) start: usize,
+    pub start: usize,
     /// Consecutive entries.
-    pub(in crate::design) entries: Vec<f64>,
-    pub(in crate::design) bound: f64,
+    pub entries: Vec<f64>,
+    /// The bound.
+    pub bound: f64,
     /// Whether it may be violated, at a price.
-    pub(in crate::design) soft: bool,
+    pub soft: bool,
 }
 
 /// `p` with the least `1/2 p^T B p + g^T p + price t`, where no hard row and with the slack `t >= 0` no soft row is violated.
 ///
 /// `None` if the solver finds no solution.
-pub(in crate::design) fn least(hessian: &Matrix, gradient: &[f64], rows: &[Row], price: f64) -> Option<Vec<f64>> {
+#[must_use]
+pub fn least(hessian: &Matrix, gradient: &[f64], rows: &[Row], price: f64) -> Option<Vec<f64>> {
     let size = gradient.len();
     let p = upper_triangle(hessian);
     let q: Vec<f64> = gradient.iter().copied().chain([price]).collect();
