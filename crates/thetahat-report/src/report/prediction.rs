@@ -6,24 +6,33 @@ use super::{error::ReportError, series::write_series, verdict, wrap::TextWidth};
 use crate::results::Prediction;
 use thetahat_ground::visible::visible;
 
-/// Rms of each joint's prediction, its relative error if torques were measured, and the verdict on its parameters.
+/// Rms of each joint's prediction, its relative error where the joint moves and on all samples if torques were measured, the
+/// part of the samples near rest, and the verdict on its parameters.
 #[must_use]
 pub fn prediction_text(prediction: &Prediction, width: TextWidth) -> String {
     let [start, end] = prediction.window_s;
     let mut text = format!(
-        "prediction of {} ({}), window {start:.3} s to {end:.3} s\n\n{:<24}{:>16}{:>20}\n",
+        "prediction of {} ({}), window {start:.3} s to {end:.3} s\n\n{:<20}{:>14}{:>16}{:>14}{:>13}\n",
         prediction.method.name(),
         visible(&prediction.case),
         "joint",
         "rms, N m or N",
-        "relative error %"
+        "error %, moving",
+        "all samples",
+        "near rest %"
     );
     for (j, (joint, rms)) in prediction.joints.iter().zip(&prediction.rms).enumerate() {
-        let error = percent(prediction.joint_relative_error_percent.get(j).copied().flatten());
-        let joint: String = visible(joint).chars().take(23).collect();
-        text += &format!("{joint:<24}{rms:>16.4}{error:>20}\n");
+        let [moving, all] = [&prediction.joint_relative_error_percent, &prediction.joint_all_samples_error_percent]
+            .map(|errors| percent(errors.get(j).copied().flatten()));
+        let near_rest = 100.0 * prediction.near_rest.get(j).copied().unwrap_or(0.0);
+        let joint: String = visible(joint).chars().take(19).collect();
+        text += &format!("{joint:<20}{rms:>14.4}{moving:>16}{all:>14}{near_rest:>13.1}\n");
     }
-    text += &format!("{:<24}{:>16}{:>20}\n", "all", "", percent(prediction.relative_error_percent));
+    let [moving, all] = [prediction.relative_error_percent, prediction.all_samples_error_percent].map(percent);
+    text += &format!("{:<20}{:>14}{moving:>16}{all:>14}\n", "all joints", "");
+    if prediction.near_rest.iter().any(|part| *part > 0.0) {
+        text += "moving: without the samples near rest, where the friction's sign is not known\n";
+    }
     text + "\n" + &verdict::inherited(prediction.verdict, &prediction.verdict_reasons, width)
 }
 

@@ -15,10 +15,16 @@ pub struct Prediction {
     pub torque: Series,
     /// Measured joint torques, if there are any.
     pub measured: Option<Series>,
-    /// Relative error in the decimated rows of the moving part, of all joints.
+    /// Relative error in the decimated rows of the window, of all joints, without the samples near rest.
     pub relative_error_percent: Option<f64>,
     /// The same of each joint; none if its torque is zero.
     pub joint_relative_error_percent: Vec<Option<f64>>,
+    /// Relative error in the decimated rows of all samples of the window, of all joints.
+    pub all_samples_error_percent: Option<f64>,
+    /// The same of each joint.
+    pub joint_all_samples_error_percent: Vec<Option<f64>>,
+    /// Part of each joint's samples in the window that are near rest, from 0 to 1.
+    pub near_rest: Vec<f64>,
     /// Rms of the prediction of each joint in the moving part.
     pub rms: Vec<f64>,
     /// Moving part, s.

@@ -1,8 +1,10 @@
 //! The torques that identified parameters predict for another motion.
 
+use std::sync::Arc;
+
 use crate::preparation::{Basis, Case, FilteredRecording, PreparationError, Recording, Setup};
 use thetahat_estimation::{
-    identification::{Assembly, Method},
+    identification::{Assembly, Method, RowMask},
     regression::{Regression, RowLayout, relative_error_percent},
     signal::Motion,
 };
@@ -40,7 +42,10 @@ pub(crate) fn predict_torques(
     let filtered = setup.filter(recording)?;
     let predictor = Predictor { setup, basis, columns, theta };
     let torque = with_known(predictor.torques(&filtered)?, &filtered);
-    let (rows, prediction) = predictor.rows(&filtered)?;
+    let mask = filtered.mask(&predictor.basis.model, &predictor.columns);
+    let near_rest = mask.as_ref().map_or_else(|| vec![0.0; filtered.recording.position.channels()], |m| m.left_out());
+    let (rows, prediction) = predictor.rows(&filtered, mask)?;
+    let (all_rows, all_predicted) = predictor.rows(&filtered, None)?;
     let rms = |p: &Vec<f64>| (p.iter().map(|v| v * v).sum::<f64>() / p.len() as f64).sqrt();
     Ok(Prediction {
         method: identified.method,
@@ -48,11 +53,10 @@ pub(crate) fn predict_torques(
         sample_rate_hz: filtered.recording.sample_rate_hz,
         torque,
         relative_error_percent: has_torque.then(|| relative_error_percent(&rows.y, &prediction)),
-        joint_relative_error_percent: if has_torque {
-            rows.joint_relative_errors_percent(&prediction)
-        } else {
-            Vec::new()
-        },
+        joint_relative_error_percent: joint_errors(has_torque, &rows, &prediction),
+        all_samples_error_percent: has_torque.then(|| relative_error_percent(&all_rows.y, &all_predicted)),
+        joint_all_samples_error_percent: joint_errors(has_torque, &all_rows, &all_predicted),
+        near_rest,
         measured: filtered.recording.torque.clone().map(|measured| with_known(measured, &filtered)),
         rms: rows.layout.by_joint(&prediction).iter().map(rms).collect(),
         window_s: filtered.window_s(),
@@ -60,6 +64,10 @@ pub(crate) fn predict_torques(
         verdict: identified.verdict.0,
         verdict_reasons: identified.verdict.1.clone(),
     })
+}
+
+fn joint_errors(has_torque: bool, rows: &Regression, prediction: &[f64]) -> Vec<Option<f64>> {
+    if has_torque { rows.joint_relative_errors_percent(prediction) } else { Vec::new() }
 }
 
 /// The torques of what is estimated with those of what is known: a payload, and parameters at a value.
@@ -80,11 +88,14 @@ struct Predictor<'a> {
 }
 
 impl Predictor<'_> {
-    /// The decimated rows of the window, and their prediction.
-    fn rows(&self, filtered: &FilteredRecording) -> Result<(Regression, Vec<f64>), PreparationError> {
+    /// The decimated rows of the window, without the samples that the mask leaves out, and their prediction.
+    fn rows(
+        &self,
+        filtered: &FilteredRecording,
+        mask: Option<Arc<RowMask>>,
+    ) -> Result<(Regression, Vec<f64>), PreparationError> {
         let decimator = filtered.decimator(&self.setup.settings.signal)?;
         let layout = RowLayout::new(self.basis.model.coordinate_count(), &[decimator.rows()]);
-        let mask = filtered.mask(&self.basis.model, &self.columns);
         let assembly = Assembly::new(&self.basis.model, &self.columns, decimator).masked(mask);
         let x = filtered.observation_matrix(&assembly)?;
         let y = assembly.measurement_vector(&filtered.centred_torque())?;

@@ -2,7 +2,11 @@
 
 use std::path::Path;
 
-use thetahat::{Experiment, Method, Results, experiment::ExperimentError, results::RunResult};
+use thetahat::{
+    Experiment, Method, Results,
+    experiment::{EstimateRequest, ExperimentError, IdentifiedRobot},
+    results::RunResult,
+};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
@@ -66,4 +70,26 @@ fn limits_can_be_stated_and_are_checked() {
     assert!(message.contains("[signal] mask.velocity is 0, expected a finite number above zero"), "{message}");
     let message = refused("mask = { velocity = 0.1, widened_s = -1 }");
     assert!(message.contains("[signal] mask.widened_s is -1, expected from 0 to 10 s"), "{message}");
+}
+
+/// The error on all samples is that of a prediction without a mask; the other leaves out the part that is stated.
+#[test]
+fn a_prediction_states_the_samples_that_its_error_leaves_out() {
+    let (experiment, path) = (read("").unwrap(), Path::new("results.json"));
+    let results = experiment.run(Path::new(ROOT), &mut |_| {}).unwrap();
+    let robot = IdentifiedRobot::of_results(path, &results, &EstimateRequest::default()).unwrap();
+    let predict = |robot: &IdentifiedRobot| {
+        let recording = experiment.recordings(Path::new(ROOT)).unwrap().remove(0);
+        robot.predict(recording).unwrap()
+    };
+    let masked = predict(&robot);
+    let unmasked = predict(&robot.clone().with_filters(read("mask = \"none\"").unwrap().settings.signal));
+    assert_eq!(masked.all_samples_error_percent, unmasked.relative_error_percent);
+    assert_eq!(masked.joint_all_samples_error_percent, unmasked.joint_relative_error_percent);
+    assert_eq!(unmasked.near_rest, [0.0; 6]);
+    let left_out = &results.recordings[0].near_rest.as_ref().unwrap().left_out_percent;
+    for (part, percent) in masked.near_rest.iter().zip(left_out) {
+        assert!((100.0 * part - percent).abs() < 1e-9, "{part} {percent}");
+    }
+    assert!(masked.relative_error_percent < masked.all_samples_error_percent, "{masked:?}");
 }

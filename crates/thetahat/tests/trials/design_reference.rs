@@ -273,15 +273,26 @@ fn functions(t: f64, l: usize) -> ([f64; 3], [f64; 3]) {
     ([0, 1, 2].map(|o| sine[o] - wt * first[o]), [0, 1, 2].map(|o| cosine[o] - wt * wt * second[o]))
 }
 
-/// The trials of this module.
+const DATA: [&str; 3] = ["reference/excitation", "datasets/tx40", "datasets/kuka_lwr4"];
+
+/// Searches with many starts, four minutes together, count as ignored: `.ci/nightly` runs them.
 pub fn all_trials() -> Vec<Trial> {
-    thetahat_testing::trials_on_shared_data(
-        &["reference/excitation", "datasets/tx40", "datasets/kuka_lwr4"],
+    let quick = thetahat_testing::trials_on_shared_data(
+        &DATA,
         vec![
             ("criterion_of_the_tx40", || Reference::tx40()?.differences()),
             ("criterion_of_the_lwr4", || Reference::kuka()?.differences()),
-            ("best_of_the_tx40", || Reference::tx40()?.best_of_six()),
             ("best_of_the_lwr4", || Reference::kuka()?.best_of_six()),
+        ],
+    );
+    quick.into_iter().chain(slow_trials()).collect()
+}
+
+fn slow_trials() -> Vec<Trial> {
+    thetahat_testing::slow_trials(
+        &DATA,
+        vec![
+            ("best_of_the_tx40", || Reference::tx40()?.best_of_six()),
             ("five_harmonics_of_the_tx40_as_the_record", || {
                 let tx40 = Reference::tx40()?;
                 tx40.best("harmonics = 5", 6, &OF_THE_RECORD, tx40.best_of_scipy(5, "rec")?).map(drop)

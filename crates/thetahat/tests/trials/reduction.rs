@@ -8,7 +8,7 @@ use thetahat::{
     identification::Status,
     preparation::{Mask, NamedMask, StatedMask},
     reduction::{ReduceOptions, Reduction},
-    results::{ParameterResult, RunResult, VerdictReason},
+    results::{ParameterResult, ReasonCode, RunResult, VerdictReason},
 };
 use thetahat_testing::{Folder, ensure};
 
@@ -100,7 +100,7 @@ fn same_intervals(found: &RunResult, expected: &RunResult) -> Result<(), Failed>
     Ok(())
 }
 
-/// The verdict with its reasons, and what cross-validation says.
+/// The verdict with its reasons, and what cross-validation says; recordings that are held back are not reduced, and that is listed.
 fn same_verdict(found: &Results, expected: &Results) -> Result<(), Failed> {
     let about = |r: &VerdictReason| (r.code, r.verdict, r.subject.clone());
     let [f, e] = [found, expected].map(|r| r.verdict_reasons.iter().map(about).collect::<Vec<_>>());
@@ -108,6 +108,10 @@ fn same_verdict(found: &Results, expected: &Results) -> Result<(), Failed> {
         found.verdict == expected.verdict && f == e,
         format!("{:?} {f:?} against {:?} {e:?}", found.verdict, expected.verdict),
     )?;
+    if !expected.validation_recordings.is_empty() {
+        let is_listed = found.not_examined.iter().any(|n| n.code == ReasonCode::CrossValidation);
+        return ensure(is_listed, "held-back recordings are listed as not examined");
+    }
     let unseen = |r: &Results| r.runs[0].cross_validation_relative_error_percent.ok_or("no cross-validation");
     close(unseen(found)?, unseen(expected)?, unseen(expected)?, 1e-7, "cross-validation")
 }
