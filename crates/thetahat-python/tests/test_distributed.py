@@ -281,9 +281,9 @@ def test_a_reduction_has_the_bytes_of_the_command(engine, running, recorded, tmp
 
 
 def test_a_solved_reduction_has_a_best_run(recorded, tmp_path):
-    """It has no advice: what is taken is that of the card."""
+    """Its advice is that of an identification by the methods that a reduction has."""
     result = distributed.reduce(recorded / "0.toml", tmp_path).solve()
-    assert result.advice == [] and result.best.method == "idim-ls"
+    assert [a.recommended for a in result.advice] == ["idim-ls"] and result.best.method == "idim-ls"
     torques = result.predict([0.1, 0.2], [0.3, 0.4], [0.5, 0.6])
     assert torques.shape == (2,) and np.all(np.isfinite(torques))
 
@@ -322,7 +322,7 @@ def test_stretches_of_time_are_nearly_the_whole(recorded, tmp_path):
 
 
 def test_twins_have_no_stretches(checkout, tmp_path):
-    with pytest.raises(ValueError, match=r"two_joint\.toml: is of a twin, .* leave out stretch_s"):
+    with pytest.raises(ValueError, match=r"two_joint\.toml: describes a twin, .* leave out stretch_s"):
         distributed.reduce(checkout / "experiments/two_joint.toml", tmp_path, stretch_s=1.0)
 
 
@@ -668,7 +668,7 @@ def test_an_engine_that_does_not_answer_is_named_with_a_remedy(engine, address, 
         # A cluster that is not there is looked for during a minute; what is tested is what becomes of Ray's error.
         monkeypatch.setattr(ray, "is_initialized", lambda: False)
         monkeypatch.setattr(ray, "init", lambda **_: (_ for _ in ()).throw(ConnectionError("no answer")))
-    with pytest.raises(th.EngineError, match=rf"answers at {address} .*: begin it, or leave out `address`"):
+    with pytest.raises(th.EngineError, match=rf"answers at {address} .*: start it, or leave out `address`"):
         distributed.campaign(described, tmp_path, engine=engine, address=address)
 
 

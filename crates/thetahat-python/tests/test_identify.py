@@ -131,7 +131,7 @@ def test_files_of_others_are_replaced_with_force_only(result, tmp_path, name, wr
 def test_a_proposal_that_may_be_edited_is_not_replaced(result, tmp_path):
     path = tmp_path / "experiment.toml"
     path.write_text("# Proposed by thetahat from log.csv")
-    with pytest.raises(th.ReportError, match="may hold your changes; give another place, or replace it with force=True"):
+    with pytest.raises(th.ReportError, match="may contain your changes; give another place, or replace it with force=True"):
         result.report(path)
 
 

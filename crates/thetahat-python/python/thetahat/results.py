@@ -262,10 +262,10 @@ class Result:
         ResultsError
             If no method can be recommended.
         """
-        taken = self._taken()
-        if taken is None:
+        recommended = self._recommended_run()
+        if recommended is None:
             raise ResultsError("no method is recommended; see `reasons` and `advice`")
-        return taken
+        return recommended
 
     def to_dict(self) -> dict[str, Any]:
         """The content of ``results.json``."""
@@ -446,8 +446,8 @@ class Result:
         nominal = [run for run in self.runs if run.case == _NOMINAL]
         return head + (f"<ul>{reasons}</ul>" if reasons else "") + advice + _table(nominal)
 
-    def _taken(self) -> Run | None:
-        number = self._native.taken()
+    def _recommended_run(self) -> Run | None:
+        number = self._native.recommended_run()
         return None if number is None else self._run(number)
 
     def _run(self, number: int) -> Run:
