@@ -293,7 +293,7 @@ def _kept(result: Result, method: str | None) -> dict[str, Any]:
 
 def _chosen(result: Result, method: str | None) -> Run | None:
     if method is None:
-        return result._taken()
+        return result._recommended_run()
     return result[method] if method in result else None
 
 
