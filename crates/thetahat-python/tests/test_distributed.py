@@ -572,7 +572,7 @@ class Found:
     def __init__(self, verdict, reasons, taken=None, runs=()):
         self.verdict, self.reasons, self._run, self._runs = verdict, reasons, taken, dict(runs)
 
-    def _taken(self):
+    def _recommended_run(self):
         return self._run
 
     def __contains__(self, method):
