@@ -2,11 +2,11 @@
 //!
 //! ```
 //! use thetahat_ground::series::Series;
-//! let series = Series::from_channels(&[vec![0.0, 1.0, 2.0], vec![5.0, 6.0, 7.0]]);
+//! let series = Series::from_channels(&[vec![0.0, 1.0, 2.0], vec![5.0, 6.0, 7.0]])?;
 //! assert_eq!(series.sample(1), [1.0, 6.0]);
 //! assert_eq!(series.channel(1), [5.0, 6.0, 7.0]);
 //! assert_eq!(series.window(1..3).len(), 2);
-//! # Ok::<(), thetahat_ground::series::SeriesError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 use std::ops::Range;

@@ -97,11 +97,11 @@ impl ChannelSource {
     ///
     /// ```
     /// use thetahat_data::recording::{ChannelSource, Unit, read_channels};
-    /// # let folder = tempfile::tempdir().unwrap();
+    /// # let folder = thetahat_testing::Folder::new();
     /// # let file = folder.path().join("log.csv");
     /// std::fs::write(&file, "t,q1,q2\n0.0,0,90\n0.1,0,180\n").unwrap();
     /// let position = ChannelSource::csv(&file, ["q1", "q2"], Unit::Degree);
-    /// let (series, _) = read_channels(&position, "".as_ref()).unwrap();
+    /// let series = read_channels(&position, "".as_ref()).unwrap();
     /// assert!((series.sample(1)[1] - std::f64::consts::PI).abs() < 1e-12);
     /// ```
     pub fn csv<S: Into<String>>(file: impl Into<PathBuf>, columns: impl IntoIterator<Item = S>, unit: Unit) -> Self {

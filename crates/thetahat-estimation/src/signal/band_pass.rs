@@ -38,7 +38,7 @@ pub struct Motion {
 /// let position = Series::from_values(1, (0..400).map(|k| 0.5 * (0.01 * f64::from(k)).powi(2)).collect())?;
 /// let motion = band_pass(&position, 100.0, 4, 10.0, Derivative::NinePoint)?;
 /// assert!((motion.ddq.sample(200)[0] - 1.0).abs() < 1e-6);
-/// # Ok::<(), thetahat_estimation::signal::SignalError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn band_pass(
     position: &Series,

@@ -45,7 +45,7 @@ const NO_GAIN: f64 = 1e-9;
 /// let filter = SecondOrderSections::butterworth_lowpass(4, 50.0, 5000.0)?;
 /// let bandwidth_hz = minus_3_db_bandwidth_hz(5000.0, 10_000, 0, |x| zero_phase(&filter, x, Padding::Matlab))?;
 /// assert!(bandwidth_hz.is_some_and(|f| (f - 44.78).abs() < 0.01));
-/// # Ok::<(), thetahat_estimation::signal::SignalError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn minus_3_db_bandwidth_hz(
     sample_rate_hz: f64,

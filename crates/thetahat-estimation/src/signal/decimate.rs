@@ -34,7 +34,7 @@ const CUTOFF_FRACTION: f64 = 0.8;
 /// let decimator = Decimator::new(10, 95)?;
 /// assert_eq!(decimator.kept().collect::<Vec<_>>(), [4, 14, 24, 34, 44, 54, 64, 74, 84, 94]);
 /// assert_eq!(decimator.decimate(&Series::zeros(95, 3))?.len(), decimator.rows());
-/// # Ok::<(), thetahat_estimation::signal::SignalError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decimator {

@@ -6,10 +6,10 @@ use thetahat_ground::series::Series;
 /// ```
 /// use thetahat_estimation::signal::delayed;
 /// use thetahat_ground::series::Series;
-/// let squares = Series::from_values(1, (0..10).map(|k| f64::from(k * k)).collect());
+/// let squares = Series::from_values(1, (0..10).map(|k| f64::from(k * k)).collect())?;
 /// let late = delayed(&squares, &[0.5]);
 /// assert!((late.sample(6)[0] - 5.5 * 5.5).abs() < 1e-12);
-/// # Ok::<(), thetahat_ground::series::SeriesError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Panics

@@ -24,7 +24,7 @@ const ONE_ZERO: [f64; 3] = [1.0, 1.0, 0.0];
 /// let filter = SecondOrderSections::butterworth_lowpass(4, 50.0, 5000.0)?;
 /// assert!((filter.gain(0.0) - 1.0).abs() < 1e-12);
 /// assert!((filter.gain(50.0) - 0.5_f64.sqrt()).abs() < 1e-9);
-/// # Ok::<(), thetahat_estimation::signal::SignalError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct SecondOrderSections {

@@ -18,9 +18,9 @@ use thetahat_ground::series::Series;
 /// ```
 /// use thetahat_estimation::signal::central_difference;
 /// use thetahat_ground::series::Series;
-/// let ramp = Series::from_values(1, vec![0.0, 0.5, 1.0, 1.5]);
+/// let ramp = Series::from_values(1, vec![0.0, 0.5, 1.0, 1.5])?;
 /// assert_eq!(central_difference(&ramp, 10.0).values(), [5.0; 4]);
-/// # Ok::<(), thetahat_ground::series::SeriesError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[must_use]
 pub fn central_difference(series: &Series, sample_rate_hz: f64) -> Series {
@@ -68,10 +68,10 @@ impl Derivative {
     /// ```
     /// use thetahat_estimation::signal::Derivative;
     /// use thetahat_ground::series::Series;
-    /// let cubes = Series::from_values(1, (0..20).map(|k| f64::from(k).powi(3)).collect());
+    /// let cubes = Series::from_values(1, (0..20).map(|k| f64::from(k).powi(3)).collect())?;
     /// assert!((Derivative::NinePoint.of(&cubes, 1.0).sample(10)[0] - 300.0).abs() < 1e-9);
     /// assert!((Derivative::Central.of(&cubes, 1.0).sample(10)[0] - 301.0).abs() < 1e-9);
-    /// # Ok::<(), thetahat_ground::series::SeriesError>(())
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
     pub fn of(self, series: &Series, sample_rate_hz: f64) -> Series {

@@ -10,9 +10,9 @@ use thetahat_ground::series::Series;
 /// ```
 /// use thetahat_estimation::signal::centred_hold;
 /// use thetahat_ground::series::Series;
-/// let held = Series::from_values(1, vec![1.0, 3.0, 7.0]);
+/// let held = Series::from_values(1, vec![1.0, 3.0, 7.0])?;
 /// assert_eq!(centred_hold(&held, 1.0).values(), [1.0, 2.0, 5.0]);
-/// # Ok::<(), thetahat_ground::series::SeriesError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[must_use]
 pub fn centred_hold(series: &Series, part_of_step: f64) -> Series {

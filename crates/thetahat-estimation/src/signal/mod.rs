@@ -18,7 +18,7 @@
 //! let filter = SecondOrderSections::butterworth_lowpass(4, 50.0, 1000.0)?;
 //! let dq = central_difference(&zero_phase(&filter, &q, Padding::Matlab)?, 1000.0);
 //! assert!((dq.sample(500)[0] + TAU).abs() < 1e-4 * TAU);
-//! # Ok::<(), thetahat_estimation::signal::SignalError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod band_pass;

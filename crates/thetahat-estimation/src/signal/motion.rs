@@ -19,9 +19,9 @@ use super::error::SignalError;
 /// ```
 /// use thetahat_estimation::signal::moving_samples;
 /// use thetahat_ground::series::Series;
-/// let velocity = Series::from_values(1, vec![0.0, 0.001, 0.5, 1.0, 0.0, 0.5, 0.0]);
+/// let velocity = Series::from_values(1, vec![0.0, 0.001, 0.5, 1.0, 0.0, 0.5, 0.0])?;
 /// assert_eq!(moving_samples(&velocity, 0.01, 0.1)?, 2..6);
-/// # Ok::<(), thetahat_estimation::signal::SignalError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn moving_samples(
     velocity: &Series,

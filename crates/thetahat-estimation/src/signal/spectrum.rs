@@ -38,7 +38,7 @@ impl Spectrum {
     /// let sine = |k: i32| 2.0 * (std::f64::consts::TAU * 5.0 * f64::from(k) / 100.0).sin();
     /// let spectrum = Spectrum::of(&Series::from_values(1, (0..4000).map(sine).collect())?, 100.0);
     /// assert!((spectrum.variance(0, 4.0..6.0) - 2.0).abs() < 0.02);
-    /// # Ok::<(), thetahat_ground::series::SeriesError>(())
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
     pub fn of(series: &Series, sample_rate_hz: f64) -> Self {

@@ -43,7 +43,7 @@ impl Padding {
 /// let constant = Series::from_values(1, vec![2.0; 100])?;
 /// let filtered = zero_phase(&filter, &constant, Padding::Matlab)?;
 /// assert!(filtered.values().iter().all(|y| (y - 2.0).abs() < 1e-11));
-/// # Ok::<(), thetahat_estimation::signal::SignalError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn zero_phase(filter: &SecondOrderSections, series: &Series, padding: Padding) -> Result<Series, SignalError> {
     let fill = |k: usize, sample: &mut [f64]| sample.copy_from_slice(series.sample(k));

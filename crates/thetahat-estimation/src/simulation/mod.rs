@@ -16,7 +16,7 @@
 //! let (mut q, mut dq, mut ddq) = ([0.0], [0.0], [0.0]);
 //! reference.evaluate(0.505, &mut q, &mut dq, &mut ddq);
 //! assert!((dq[0] - 1.01).abs() < 1e-9 && (ddq[0] - 2.0).abs() < 1e-9);
-//! # Ok::<(), thetahat_ground::series::SeriesError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod bias;

@@ -29,7 +29,7 @@
 //! let mut mass = [0.0];
 //! model.mass_matrix(&parameters, &[0.1], &mut Workspace::new(&model), &mut mass);
 //! assert!((mass[0] - (0.5 + 0.3)).abs() < 1e-15);
-//! # Ok::<(), thetahat_model::robot::RobotError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod adjoint;

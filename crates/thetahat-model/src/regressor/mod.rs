@@ -17,7 +17,7 @@
 //! let (q, dq, ddq) = (q?, dq?, ddq?);
 //! let phi = Regressor::new(&model, &column).evaluate_series(&model, &q, &dq, &ddq, Sign::Exact);
 //! assert_eq!(phi.values(), [0.2]);
-//! # Ok::<(), thetahat_model::robot::RobotError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod batch;

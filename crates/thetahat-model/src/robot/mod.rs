@@ -12,7 +12,7 @@
 //! let table = robot.parameter_table();
 //! assert_eq!(table.index_of("zz1").map(|index| robot.a_priori_parameters()[index]), Some(0.5));
 //! assert_eq!(robot.coordinate_count(), 1);
-//! # Ok::<(), thetahat_model::robot::RobotError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod body;

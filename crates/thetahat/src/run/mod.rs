@@ -6,7 +6,7 @@
 //! The program on the crate's first page uses it. Recordings that do not fit the robot are refused by name:
 //!
 //! ```
-//! use thetahat::{Identification, Recording, Robot, Settings, series::Series};
+//! use thetahat::{Identification, Recording, Robot, Series, Settings};
 //!
 //! # let robot = "name = 'r'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n";
 //! # let robot = Robot::parse(robot, std::path::Path::new("r.toml")).unwrap();
