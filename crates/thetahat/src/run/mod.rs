@@ -6,13 +6,13 @@
 //! The program on the crate's first page uses it. Recordings that do not fit the robot are refused by name:
 //!
 //! ```
-//! use thetahat::{Identification, Recording, Robot, Series, Settings};
+//! use thetahat::{Identification, Recording, Robot, Series, Settings, preparation::PreparationError};
 //!
 //! # let robot = "name = 'r'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n";
 //! # let robot = Robot::parse(robot, std::path::Path::new("r.toml")).unwrap();
 //! let two_channels = Recording::new(1000.0, Series::zeros(500, 2), Series::zeros(500, 2)).named("log");
-//! let error = Identification::new(&robot, vec![two_channels], Settings::new(20.0, 10)).err().unwrap();
-//! assert!(error.to_string().starts_with("recording log: channels of position is 2, expected 1"));
+//! let refused = Identification::new(&robot, vec![two_channels], Settings::new(20.0, 10));
+//! assert!(matches!(refused, Err(PreparationError::JointCount { expected: 1, found: 2, .. })));
 //! ```
 
 mod assessment;
