@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::preparation::{Basis, Case, FilteredRecording, PreparationError, Recording, Setup};
+use crate::preparation::{
+    Basis, Case, FilteredRecording, Mask, NamedMask, PreparationError, Recording, Setup, SignalOptions,
+};
 use thetahat_estimation::{
     identification::{Assembly, Method, RowMask},
     regression::{Regression, RowLayout, relative_error_percent},
@@ -44,8 +46,10 @@ pub(crate) fn predict_torques(
     let torque = with_known(predictor.torques(&filtered)?, &filtered);
     let mask = filtered.mask(&predictor.basis.model, &predictor.columns);
     let near_rest = mask.as_ref().map_or_else(|| vec![0.0; filtered.recording.position.channels()], |m| m.left_out());
-    let (rows, prediction) = predictor.rows(&filtered, mask)?;
-    let (all_rows, all_predicted) = predictor.rows(&filtered, None)?;
+    let signal = &setup.settings.signal;
+    let every_sample = SignalOptions { mask: Mask::Named(NamedMask::None), ..*signal };
+    let (rows, prediction) = predictor.rows(&filtered, signal, mask)?;
+    let (all_rows, all_predicted) = predictor.rows(&filtered, &every_sample, None)?;
     let rms = |p: &Vec<f64>| (p.iter().map(|v| v * v).sum::<f64>() / p.len() as f64).sqrt();
     Ok(Prediction {
         method: identified.method,
@@ -92,9 +96,10 @@ impl Predictor<'_> {
     fn rows(
         &self,
         filtered: &FilteredRecording,
+        signal: &SignalOptions,
         mask: Option<Arc<RowMask>>,
     ) -> Result<(Regression, Vec<f64>), PreparationError> {
-        let decimator = filtered.decimator(&self.setup.settings.signal)?;
+        let decimator = filtered.decimator(signal)?;
         let layout = RowLayout::new(self.basis.model.coordinate_count(), &[decimator.rows()]);
         let assembly = Assembly::new(&self.basis.model, &self.columns, decimator).masked(mask);
         let x = filtered.observation_matrix(&assembly)?;
