@@ -220,7 +220,7 @@ pub struct Compare {
     /// Files of `identify --out` or `solve --out`; the others are compared with the first
     #[arg(value_name = "RESULTS.json", required = true, num_args = 2..)]
     pub results: Vec<PathBuf>,
-    /// The method whose parameters are compared [default: the recommended method of each file]
+    /// The method whose parameters are compared [default: the model]
     #[arg(long, value_parser = method())]
     pub method: Option<Method>,
     /// The case
@@ -391,7 +391,7 @@ pub struct Generate {
     /// The base parameters instead of the standard ones
     #[arg(long)]
     pub base: bool,
-    /// The method whose estimates are used [default: the recommended method]
+    /// The method whose estimates are used [default: the model]
     #[arg(long, value_parser = method())]
     pub method: Option<Method>,
     /// The case whose estimates are used [default: nominal]
@@ -457,7 +457,7 @@ pub struct Exported {
     /// The format
     #[arg(long, value_name = "FORMAT", value_parser = format())]
     pub to: ExportFormat,
-    /// The method whose parameters are used [default: the recommended method]
+    /// The method whose parameters are used [default: the model]
     #[arg(long, value_parser = method())]
     pub method: Option<Method>,
     /// Folder of the robot description, which must be unchanged since the identification [default: the text in the results]
@@ -536,7 +536,7 @@ pub struct Predict {
     /// The case whose parameters are used
     #[arg(long, default_value = "nominal")]
     pub case: String,
-    /// The method whose parameters are used [default: the recommended method]
+    /// The method whose parameters are used [default: the model]
     #[arg(long, value_parser = method())]
     pub method: Option<Method>,
     /// CSV file for the torques, sample by sample

@@ -73,7 +73,7 @@ pub fn sample_robots(request: &Sample) -> Result<Ending, Box<dyn Error>> {
         "{}: {} samples of the estimates by {}, seed {}\nwritten: {} to {}\n",
         robot.identified.robot.name,
         request.count,
-        robot.identified.run.method,
+        robot.identified.source_of_estimates(),
         request.seed,
         request.out.join(&names[0]).display(),
         names[names.len() - 1]

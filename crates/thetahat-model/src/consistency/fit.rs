@@ -35,6 +35,13 @@ pub enum Prior {
         /// Weight, in squares of the residual.
         weight: f64,
     },
+    /// `weight sum_l part_l D(P_l | P_l0) + min(weight, 1) (sum_i D(s_i | size_i) + sum_j (s_j / size_j)^2)`: the log-det
+    /// divergence of the bodies, that of the numbers that cannot be negative, and the squares of the others, by the set's
+    /// [`Beliefs`](super::Beliefs). With a residual of unit variance, a body is believed to `sqrt(2 / weight)` of its size.
+    Belief {
+        /// Weight, in squares of the residual; positive.
+        weight: f64,
+    },
 }
 
 /// A physically consistent estimate.
@@ -162,19 +169,42 @@ pub fn fit(
     prior: Prior,
     start: Option<&[f64]>,
 ) -> Result<ConsistentFit, ConsistencyError> {
+    fit_within(set, data, prior, start, RELATIVE_GAP)
+}
+
+/// [`fit`] that ends at a duality gap, relative to the objective: 1e-7 is enough to compare predictions.
+///
+/// # Errors
+/// As [`fit`].
+pub fn fit_within(
+    set: &ConsistentSet,
+    data: &LeastSquares,
+    prior: Prior,
+    start: Option<&[f64]>,
+    relative_gap: f64,
+) -> Result<ConsistentFit, ConsistencyError> {
     data.check(set.parameter_table().len())?;
     let elimination = set.elimination()?;
     let conditions = reduced_conditions(set, &elimination)?;
-    let program = program(set, data, prior, &elimination, &conditions);
     let usual = starting_point(set);
     let near = start.filter(|s| s.len() == usual.len()).unwrap_or(&usual);
     let start: Vec<f64> = near.iter().zip(&usual).map(|(s, u)| s + TO_CENTRE * (u - s)).collect();
     let start = inside(&conditions, elimination.unknowns_of(&start))?;
     let squares = dot(data.right_side(), data.right_side());
     let absolute_gap = (ABSOLUTE_GAP * squares).max(f64::MIN_POSITIVE);
-    let stop = Stop { relative_gap: RELATIVE_GAP, absolute_gap, objective: f64::NEG_INFINITY };
+    let stop = Stop { relative_gap, absolute_gap, objective: f64::NEG_INFINITY };
+    let conditions = binding(set, prior, conditions);
+    let program = program(set, data, prior, &elimination, &conditions);
     let minimum = minimise(&program, start, &stop).ok_or(ConsistencyError::NotFinite)?;
     Ok(result(data, &elimination, conditions, minimum))
+}
+
+/// The conditions that do not follow from the prior.
+pub(super) fn binding(set: &ConsistentSet, prior: Prior, conditions: Vec<ConditionBlock>) -> Vec<ConditionBlock> {
+    match prior {
+        Prior::None | Prior::Euclidean { .. } | Prior::LogDet { .. } => conditions,
+        Prior::Belief { .. } => conditions.into_iter().filter(|c| !set.follows_from_belief(&c.condition)).collect(),
+    }
 }
 
 /// Checks that some parameters satisfy all conditions of a set strictly.
@@ -241,7 +271,7 @@ pub(super) fn reduced_conditions(
     Ok(out)
 }
 
-fn program(
+pub(super) fn program(
     set: &ConsistentSet,
     data: &LeastSquares,
     prior: Prior,
@@ -263,6 +293,14 @@ fn program(
             let all = links.chain(set.motor_divergences(weight)).filter(|_| weight > 0.0);
             let blocks_of_prior = all.map(|block| elimination.block(&block)).filter(|block| !block.terms.is_empty());
             blocks.extend(blocks_of_prior);
+        }
+        Prior::Belief { weight } => {
+            let all = set.belief_divergences(weight).into_iter().map(|block| elimination.block(&block));
+            blocks.extend(all.filter(|block| !block.terms.is_empty()));
+            let squares = set.belief_squares(weight);
+            let entry = |row: usize, column: usize| if squares[row].0 == column { squares[row].1 } else { 0.0 };
+            matrix = Matrix::stack(&[&matrix, &Matrix::from_fn(squares.len(), matrix.columns(), entry)]);
+            right_side.extend(vec![0.0; squares.len()]);
         }
     }
     let constant = elimination.constant_part(&matrix);

@@ -5,7 +5,7 @@ use super::{
     pseudo_inertia::{inertial_parameters, pseudo_inertia},
     symmetric::Symmetric,
 };
-use crate::robot::{INERTIAL, Joint, ParameterTable, Quantity, Robot};
+use crate::robot::{INERTIAL, Joint, LinkQuantity, ParameterTable, Quantity, Robot};
 use thetahat_ground::{
     linear_algebra::dot,
     vector::{Vec3, norm, transpose_times},
@@ -51,6 +51,15 @@ pub fn completed_a_priori(robot: &Robot, total_mass: Option<f64>) -> Vec<f64> {
         }
     }
     theta
+}
+
+/// Whether the description states a mass of each link.
+#[must_use]
+pub fn stated_links(robot: &Robot) -> Vec<bool> {
+    let table = robot.parameter_table();
+    let theta = robot.a_priori_parameters_for(&table);
+    let mass = |k: usize| table.index(Quantity::Link(LinkQuantity::M), k).map_or(0.0, |i| theta[i]);
+    (0..robot.link_count()).map(|k| mass(k) > 0.0).collect()
 }
 
 /// The factor of all inertial parameters that fits the data best, with motor inertias, friction and offsets free.

@@ -116,6 +116,16 @@ pub(super) fn minimise(program: &Program, start: Vec<f64>, stop: &Stop) -> Optio
     }
 }
 
+/// Newton's matrix of the objective at a point strictly inside, with the divergences that keep their weight and no other.
+pub(super) fn curvature(program: &Program, x: Vec<f64>) -> Option<Matrix> {
+    let mut iterate = Iterate::new(program, x)?;
+    iterate.weight = 0.0;
+    iterate.renew_duals();
+    let mut matrix = iterate.quadratic.clone();
+    iterate.blocks().for_each(|(block, slack)| slack.add_curvature(block, &mut matrix));
+    Some(matrix)
+}
+
 /// A step of the unknowns, with the changes of blocks and multipliers.
 struct Step {
     dx: Vec<f64>,
@@ -343,7 +353,7 @@ pub(super) struct ScaledSystem {
 }
 
 impl ScaledSystem {
-    fn new(matrix: &Matrix) -> Option<Self> {
+    pub(super) fn new(matrix: &Matrix) -> Option<Self> {
         let n = matrix.rows();
         let size = |i: usize| matrix.at(i, i).sqrt();
         let scale: Vec<f64> = (0..n).map(|i| if size(i) > 0.0 { 1.0 / size(i) } else { 1.0 }).collect();

@@ -20,6 +20,7 @@
 //! assert!(ConsistentSet::new(&robot, &negative).is_err());
 //! ```
 
+mod belief;
 mod bounds;
 mod dependence;
 mod elimination;
@@ -38,14 +39,15 @@ mod symmetric;
 #[cfg(test)]
 mod tests;
 
+pub use belief::{BaseKnowledge, knowledge_of_base};
 pub use bounds::{bounds_of, interval_in};
 pub use dependence::{Dependence, dependence_on_base};
 pub use error::ConsistencyError;
 pub use examination::{Examination, HEAVIEST, examine, examine_within};
-pub use fit::{ConsistentFit, LeastSquares, Prior, fit, require_interior};
-pub use guess::{completed_a_priori, mass_factor};
+pub use fit::{ConsistentFit, LeastSquares, Prior, fit, fit_within, require_interior};
+pub use guess::{completed_a_priori, mass_factor, stated_links};
 pub use known::Known;
 pub use pseudo_inertia::{inertial_parameters, pseudo_inertia};
-pub use set::{Condition, ConsistentSet};
+pub use set::{Beliefs, Condition, ConsistentSet};
 pub use simulation::{InteriorOptions, nearest_to_simulate};
 pub use symmetric::Symmetric;

@@ -23,6 +23,16 @@ pub struct ConsistentSet {
     interior: f64,
     known: LinearConditions,
     motors: Vec<MotorMatrix>,
+    beliefs: Beliefs,
+}
+
+/// What is believed of a robot before its recordings are seen, for [`Prior::Belief`](super::Prior::Belief).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Beliefs {
+    /// Usual size of each standard parameter that belongs to no body, in SI; zero where nothing is believed.
+    pub sizes: Vec<f64>,
+    /// Part of the belief's weight that the a-priori body of each link has: one for a body that the description states.
+    pub link_parts: Vec<f64>,
 }
 
 /// A quantity that must be nonnegative or positive semidefinite.
@@ -92,6 +102,7 @@ impl ConsistentSet {
             a_priori: a_priori.to_vec(),
             known: LinearConditions::default(),
             interior: 0.0,
+            beliefs: Beliefs { sizes: vec![0.0; a_priori.len()], link_parts: vec![1.0; links] },
             links,
             table,
         };
@@ -137,6 +148,23 @@ impl ConsistentSet {
             self.known.between(&parameter.name, &terms, *lower, *upper)?;
         }
         Ok(self)
+    }
+
+    /// The set with other beliefs than the a-priori bodies alone.
+    ///
+    /// # Errors
+    /// [`ConsistencyError::WrongSize`] unless there is a size for each parameter and a part for each link.
+    pub fn with_beliefs(self, beliefs: Beliefs) -> Result<Self, ConsistencyError> {
+        let [sizes, parts] = [beliefs.sizes.len(), beliefs.link_parts.len()];
+        if sizes != self.table.len() {
+            let (expected, found) = (self.table.len(), sizes);
+            return Err(ConsistencyError::WrongSize { what: "the usual sizes", expected, found });
+        }
+        if parts != self.links {
+            let (expected, found) = (self.links, parts);
+            return Err(ConsistencyError::WrongSize { what: "the parts of the links' weights", expected, found });
+        }
+        Ok(Self { beliefs, ..self })
     }
 
     /// The table of standard parameters.
@@ -209,6 +237,54 @@ impl ConsistentSet {
             Some(Block { constant: Symmetric::zeros(1), terms, barrier })
         };
         (0..self.table.len()).filter(given).filter_map(block).collect()
+    }
+
+    /// The divergences of [`Prior::Belief`](super::Prior::Belief): of each body, and of each number that cannot be negative.
+    pub(super) fn belief_divergences(&self, weight: f64) -> Vec<Block> {
+        let bodies = (0..self.links).filter_map(|k| self.divergence(k, weight * self.beliefs.link_parts[k]));
+        let positive = (0..self.table.len()).filter(|&i| self.is_believed_positive(i));
+        let numbers = positive.filter_map(|i| {
+            let reference = Symmetric::diagonal(&[self.beliefs.sizes[i]]).cholesky()?;
+            let terms = vec![Term { unknown: i, entries: vec![(0, 0, 1.0)] }];
+            let barrier = Barrier::kept(weight.min(1.0), &reference, 1);
+            Some(Block { constant: Symmetric::zeros(1), terms, barrier })
+        });
+        bodies.chain(numbers).collect()
+    }
+
+    /// The parameters of which a size alone is believed, with the factors of their squares in [`Prior::Belief`](super::Prior::Belief).
+    pub(super) fn belief_squares(&self, weight: f64) -> Vec<(usize, f64)> {
+        let sizes = self.beliefs.sizes.iter().enumerate();
+        let free = sizes.filter(|(i, size)| **size > 0.0 && !self.is_positive(*i));
+        free.map(|(i, size)| (i, weight.min(1.0).sqrt() / size)).collect()
+    }
+
+    /// Whether a condition follows from the divergences of [`Prior::Belief`](super::Prior::Belief).
+    pub(super) fn follows_from_belief(&self, condition: &Condition) -> bool {
+        match condition {
+            Condition::Link(_) => self.interior == 0.0,
+            Condition::Parameter(name) => {
+                self.interior == 0.0 && self.table.index_of(name).is_some_and(|i| self.is_believed_positive(i))
+            }
+            Condition::CoupledMotors(_) | Condition::Bound(_) => false,
+        }
+    }
+
+    fn is_believed_positive(&self, i: usize) -> bool {
+        self.beliefs.sizes[i] > 0.0 && self.is_positive(i)
+    }
+
+    /// The a-priori bodies, with the usual size of each number that cannot be negative and zero for the others.
+    #[must_use]
+    pub fn believed(&self) -> Vec<f64> {
+        let sizes = &self.beliefs.sizes;
+        let value = |i: usize| match self.table.get(i).quantity.is_inertial() {
+            true => self.a_priori[i],
+            false if self.is_believed_positive(i) => sizes[i],
+            false if sizes[i] > 0.0 => 0.0,
+            false => self.a_priori[i],
+        };
+        (0..self.table.len()).map(value).collect()
     }
 
     /// `factor` times the a-priori mass of all links, less their mass: nonnegative for robots that are not heavier.

@@ -56,7 +56,7 @@ fn sides(compared: &SideBySide) -> Table {
     let row = |(k, side): (usize, &Side)| {
         vec![
             label(k),
-            side.method.to_string(),
+            side.source.to_string(),
             side.verdict.map_or_else(|| NONE.to_owned(), |v| v.to_string()),
             optional(side.relative_error_percent, 3),
             optional(side.unseen.map(Unseen::percent), 3),
@@ -66,7 +66,7 @@ fn sides(compared: &SideBySide) -> Table {
     Table {
         title: "Results".to_owned(),
         lead: 2,
-        head: strings(&["", "method", "verdict", "error %", "validation %"]),
+        head: strings(&["", "estimates", "verdict", "error %", "validation %"]),
         rows: compared.sides.iter().enumerate().map(row).collect(),
         notes: files.map(|(k, side)| format!("{}: {} ({})", label(k), side.file.display(), side.title)).collect(),
         ..Table::default()

@@ -13,7 +13,7 @@ pub fn prediction_text(prediction: &Prediction, width: TextWidth) -> String {
     let [start, end] = prediction.window_s;
     let mut text = format!(
         "prediction of {} ({}), window {start:.3} s to {end:.3} s\n\n{:<20}{:>14}{:>16}{:>14}{:>13}\n",
-        prediction.method.name(),
+        prediction.source.name(),
         visible(&prediction.case),
         "joint",
         "rms, N m or N",

@@ -6,6 +6,7 @@ use super::{
     curves::Plots,
     diagnosis::{Advice, CaseDiagnosis},
     joints::JointResult,
+    model::ModelResult,
     parameters::EliminationResult,
     payload::{DriveGainResult, PayloadResult},
     recordings::{Bandwidth, RecordingFindings, RecordingResult, UnmaskedComparison},
@@ -91,6 +92,12 @@ pub struct Results {
     pub diagnostics: Vec<CaseDiagnosis>,
     /// Every case and method.
     pub runs: Vec<RunResult>,
+    /// The model that predictions and exports use; `null` where there is none.
+    #[serde(default)]
+    pub model: Option<ModelResult>,
+    /// Why there is no model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub no_model: Option<String>,
     /// The estimates of the user's own estimators. The verdict, the advice and exports do not use them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub user_runs: Vec<UserRun>,

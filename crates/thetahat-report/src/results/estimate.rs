@@ -1,7 +1,39 @@
-//! The rule for the run whose numbers are used.
+//! The rule for the numbers that are used.
 
-use super::{content::Results, run::RunResult};
+use std::{borrow::Cow, fmt};
+
+use super::{
+    content::{NOMINAL, Results},
+    model::ModelResult,
+    run::RunResult,
+};
 use thetahat_estimation::identification::Method;
+
+/// What numbers come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EstimateSource {
+    /// The model.
+    Model,
+    /// The run of a method.
+    Run(Method),
+}
+
+impl EstimateSource {
+    /// `model`, or the name of the method.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Model => "model",
+            Self::Run(method) => method.name(),
+        }
+    }
+}
+
+impl fmt::Display for EstimateSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
 
 /// Why results give no estimate of a case.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -36,6 +68,27 @@ pub enum NoEstimate {
 }
 
 impl Results {
+    /// The model, where a case and method ask for it: the nominal case, and no method by name.
+    #[must_use]
+    pub fn model_for(&self, case: &str, method: Option<Method>) -> Option<&ModelResult> {
+        self.model.as_ref().filter(|_| method.is_none() && case == NOMINAL)
+    }
+
+    /// What [`Results::estimate`] gives, with its source.
+    ///
+    /// # Errors
+    /// As [`Results::estimate`].
+    pub fn estimate_and_source(
+        &self,
+        case: &str,
+        method: Option<Method>,
+    ) -> Result<(Cow<'_, RunResult>, EstimateSource), NoEstimate> {
+        if let Some(model) = self.model_for(case, method) {
+            return Ok((Cow::Owned(model.as_run(case)), EstimateSource::Model));
+        }
+        self.estimate(case, method).map(|run| (Cow::Borrowed(run), EstimateSource::Run(run.method)))
+    }
+
     /// The estimate of a case by a method, or by the recommended one ([`Results::recommended_run_in`]). If the advice recommends none,
     /// the caller must name the method.
     ///

@@ -40,6 +40,7 @@ mod filter;
 mod grade;
 mod joints;
 mod limited;
+mod model;
 mod parameters;
 mod payload;
 mod physical;
@@ -66,12 +67,15 @@ pub use diagnosis::{
     Comparison, EndogeneityResult, Explained, HiddenBias, HiddenError, Influence, InstrumentResult, JointResidual,
     MovedParameter, ParameterDifference, ResidualResult,
 };
-pub use estimate::NoEstimate;
+pub use estimate::{EstimateSource, NoEstimate};
 pub use file::ResultsError;
 pub use filter::{ComparedFilter, Filter, FilterChoice, FilterError};
 pub use grade::Grade;
 pub use joints::JointResult;
 pub use limited::Limited;
+pub use model::{
+    ModelCandidate, ModelError, ModelJointError, ModelParameter, ModelResult, ModelStandardParameter,
+};
 pub use parameters::{EliminationResult, ParameterResult};
 pub use payload::{DriveGainResult, PayloadParameter, PayloadResult};
 pub use physical::{ConsistencyTest, ConsistentEstimate, ConsistentParameter, PhysicalResult};

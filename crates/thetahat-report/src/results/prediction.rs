@@ -1,12 +1,14 @@
-use super::verdict::{Verdict, VerdictReason};
-use thetahat_estimation::identification::Method;
+use super::{
+    estimate::EstimateSource,
+    verdict::{Verdict, VerdictReason},
+};
 use thetahat_ground::series::Series;
 
 /// Predicted torques over a whole recording, and their comparison with the measured torques.
 #[derive(Debug, Clone)]
 pub struct Prediction {
-    /// The method that gave the parameters.
-    pub method: Method,
+    /// What the parameters come from.
+    pub source: EstimateSource,
     /// The case.
     pub case: String,
     /// Samples per second.
@@ -25,6 +27,9 @@ pub struct Prediction {
     pub joint_all_samples_error_percent: Vec<Option<f64>>,
     /// Part of each joint's samples in the window that are near rest, from 0 to 1.
     pub near_rest: Vec<f64>,
+    /// Deviation of each joint's torque, percent of its rms, that belief and recordings leave to the parameters of the model on
+    /// this motion; empty for the estimates of a run.
+    pub left_open_percent: Vec<f64>,
     /// Rms of the prediction of each joint in the moving part.
     pub rms: Vec<f64>,
     /// Moving part, s.

@@ -7,7 +7,10 @@ use std::{
 };
 
 use super::{
-    card::Unseen, content::Results, estimate::NoEstimate, parameters::ParameterResult, run::RunResult, verdict::Verdict,
+    card::Unseen,
+    content::Results,
+    estimate::{EstimateSource, NoEstimate},
+    parameters::ParameterResult, run::RunResult, verdict::Verdict,
 };
 use thetahat_estimation::identification::Method;
 
@@ -29,8 +32,8 @@ pub struct Side {
     pub file: PathBuf,
     /// Its title.
     pub title: String,
-    /// The method whose estimates are compared.
-    pub method: Method,
+    /// What the compared estimates come from.
+    pub source: EstimateSource,
     /// The verdict on its results.
     pub verdict: Option<Verdict>,
     /// Relative error of that method's run, percent.
@@ -73,32 +76,33 @@ pub struct SideBySideError {
 }
 
 impl SideBySide {
-    /// Compares the results of files: in each the requested method, or otherwise the one that its advice recommends.
+    /// Compares the results of files: in each the requested method, or otherwise the model; where one of them has none, the
+    /// methods that are recommended.
     ///
     /// # Errors
     /// [`SideBySideError`] where one of them has no such estimate.
     pub fn new(results: &[(PathBuf, Results)], case: &str, method: Option<Method>) -> Result<Self, SideBySideError> {
-        let runs =
-            results.iter().map(|(file, results)| run_of(file, results, case, method)).collect::<Result<Vec<_>, _>>()?;
-        let sides = results.iter().zip(&runs).map(|((file, results), run)| side(file, results, run)).collect();
+        let have_models = results.iter().all(|(_, results)| results.model_for(case, method).is_some());
+        let of = |(file, results): &'_ (PathBuf, Results)| {
+            let found = if have_models {
+                results.estimate_and_source(case, method).map(|(run, source)| (run.into_owned(), source))
+            } else {
+                results.estimate(case, method).map(|run| (run.clone(), EstimateSource::Run(run.method)))
+            };
+            found.map_err(|source| SideBySideError { file: file.to_owned(), source })
+        };
+        let estimates = results.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+        let sides = results.iter().zip(&estimates).map(|((file, results), found)| side(file, results, found)).collect();
+        let runs: Vec<&RunResult> = estimates.iter().map(|(run, _)| run).collect();
         Ok(Self { sides, settings: settings(results), parameters: parameters(&runs) })
     }
 }
 
-fn run_of<'r>(
-    file: &Path,
-    results: &'r Results,
-    case: &str,
-    method: Option<Method>,
-) -> Result<&'r RunResult, SideBySideError> {
-    results.estimate(case, method).map_err(|source| SideBySideError { file: file.to_owned(), source })
-}
-
-fn side(file: &Path, results: &Results, run: &RunResult) -> Side {
+fn side(file: &Path, results: &Results, (run, source): &(RunResult, EstimateSource)) -> Side {
     Side {
         file: file.to_owned(),
         title: results.title.clone(),
-        method: run.method,
+        source: *source,
         verdict: results.verdict,
         relative_error_percent: run.relative_error_percent,
         unseen: results.unseen(run),
@@ -230,7 +234,7 @@ mod tests {
         let mut two = [results(LS, 1.0, 1.5), results(LS, 2.0, 1.5)];
         two.iter_mut().for_each(|(_, results)| results.advice.clear());
         let compared = SideBySide::new(&two, "nominal", None).unwrap();
-        assert!(compared.sides.iter().all(|side| side.method == Method::IDIM_LS), "{:?}", compared.sides);
+        assert!(compared.sides.iter().all(|side| side.source == EstimateSource::Run(Method::IDIM_LS)), "{:?}", compared.sides);
     }
 
     #[test]

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     diagnosis::judge,
-    preparation::{Case, PreparationError, Recording, Settings, Setup, SignalOptions},
+    preparation::{Case, ParameterChoice, PreparationError, Recording, Settings, Setup, SignalOptions},
     run::{Identification, Identified, predict_torques},
 };
 use thetahat_estimation::identification::{Method, Status};
@@ -18,14 +18,16 @@ use thetahat_model::{
     base_parameters::BaseParameters,
     robot::{Robot, RobotSource},
 };
-use thetahat_report::results::{NOMINAL, Prediction, Results, RunResult, Verdict, VerdictReason};
+use thetahat_report::results::{
+    EstimateSource, ModelResult, NOMINAL, Prediction, Results, RunResult, Verdict, VerdictReason,
+};
 
 /// Which estimate of results to use, and what is required of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EstimateRequest {
     /// The case.
     pub case: String,
-    /// The method; `None` for the one that the results recommend.
+    /// The method; `None` for the model, or where there is none for the method that the results recommend.
     pub method: Option<Method>,
     /// The robot description, which must be the identified one; `None` for the text in the results.
     pub robot: Option<PathBuf>,
@@ -36,7 +38,7 @@ pub struct EstimateRequest {
 }
 
 impl Default for EstimateRequest {
-    /// The nominal estimate that the results recommend.
+    /// The model.
     fn default() -> Self {
         Self { case: NOMINAL.to_owned(), method: None, robot: None, data: None, untrusted: false }
     }
@@ -52,8 +54,10 @@ pub struct IdentifiedRobot {
     pub settings: Settings,
     /// The case.
     pub case: Case,
-    /// The run whose estimates they are.
+    /// The run whose estimates they are; the model as a run.
     pub run: RunResult,
+    /// The model, where the estimates are its own.
+    pub model: Option<ModelResult>,
     /// All base parameters of the robot, those that the run does not estimate included.
     pub base: BaseParameters,
     /// The verdict on the results.
@@ -133,8 +137,9 @@ impl IdentifiedRobot {
             return Err(not_trusted(path, &verdict_reasons));
         }
         let no_estimate = |source| ExperimentError::NoEstimate { path: path.to_owned(), source };
-        let run = results.estimate(&request.case, request.method).map_err(no_estimate)?;
-        let Subject { robot, settings, file, experiment } = subject(run)?;
+        let model = results.model_for(&request.case, request.method);
+        let (run, _) = results.estimate_and_source(&request.case, request.method).map_err(no_estimate)?;
+        let Subject { robot, settings, file, experiment } = subject(&run)?;
         let mut files = vec![path.to_owned()];
         if let Some(description) = description_file(path, request, file)? {
             files.extend(require_same(results, &robot, &description)?);
@@ -143,10 +148,12 @@ impl IdentifiedRobot {
         let case = settings.all_cases().into_iter().find(|c| c.name == run.case).unwrap_or_else(Case::nominal);
         let setup = Setup { robot: &robot, settings: &settings };
         let base = setup.basis(&case).map_err(|e| refuse(e.to_string()))?.base;
-        require_same_parameters(results, run, &base, &settings.parameters.estimate).map_err(refuse)?;
+        let choice = if model.is_some() { &ParameterChoice::Base } else { &settings.parameters.estimate };
+        require_same_parameters(results, &run, &base, choice).map_err(refuse)?;
         Ok(Self {
             robot: setup.robot_for(&case),
-            run: run.clone(),
+            run: run.into_owned(),
+            model: model.cloned(),
             title: results.title.clone(),
             source: None,
             settings,
@@ -180,11 +187,17 @@ impl IdentifiedRobot {
 
     /// The same for a recording that is known to fit.
     pub(super) fn predict_valid(&self, recording: Recording) -> Result<Prediction, PreparationError> {
-        let Self { run, case, verdict, verdict_reasons, .. } = self;
+        let Self { run, case, verdict, verdict_reasons, model, .. } = self;
         let parameters = run.parameters.iter().map(|p| (p.name.clone(), p.estimate)).collect();
         let verdict = (*verdict, verdict_reasons.clone());
-        let estimate = Identified { case, method: run.method, parameters, verdict };
+        let estimate = Identified { case, source: self.source_of_estimates(), parameters, model: model.as_ref(), verdict };
         predict_torques(self.setup(), &estimate, recording)
+    }
+
+    /// What the estimates come from.
+    #[must_use]
+    pub fn source_of_estimates(&self) -> EstimateSource {
+        if self.model.is_some() { EstimateSource::Model } else { EstimateSource::Run(self.run.method) }
     }
 
     /// The estimates of all base parameters: zero of those that the run does not estimate, as in its model.
@@ -194,10 +207,15 @@ impl IdentifiedRobot {
         self.base.parameters().iter().map(|parameter| estimate(&parameter.name)).collect()
     }
 
-    /// Standard parameters with the torques that were identified: the kept ones, those that were given, zeros elsewhere.
+    /// Standard parameters with the torques that were identified: those of the model, or else the kept ones, those that were
+    /// given, zeros elsewhere.
     #[must_use]
     pub fn theta(&self) -> Vec<f64> {
-        self.base.to_standard(&self.estimates())
+        let table = self.robot.parameter_table();
+        match &self.model {
+            Some(model) => table.iter().map(|p| model.standard_value(&p.name()).unwrap_or(0.0)).collect(),
+            None => self.base.to_standard(&self.estimates()),
+        }
     }
 
     /// Method, case and verdict in a line, and how the run ended where it did not converge.
@@ -207,6 +225,13 @@ impl IdentifiedRobot {
         let title = if title.is_empty() { String::new() } else { format!(" of \"{title}\"") };
         let status =
             if run.status == Status::Converged { String::new() } else { format!("; status: {}", run.status.name()) };
+        if let Some(model) = &self.model {
+            return format!(
+                "the model{title}: physically consistent least squares in the rows of {}, belief in the a-priori robot of \
+                 weight {}, friction fc tanh(dq / {}); verdict: {verdict}",
+                model.method, model.belief_weight, model.friction_transition
+            );
+        }
         format!("identified by {}{title}, {} case; verdict: {verdict}{status}", run.method, case.name)
     }
 

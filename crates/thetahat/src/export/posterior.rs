@@ -68,7 +68,10 @@ impl Posterior {
         let mut posterior = Self {
             method: run.method,
             provenance: provenance(&base, &settings.parameters, set.parameter_table()),
-            consistent: consistent_estimate(run, set.parameter_table()),
+            consistent: match &identified.model {
+                Some(_) => Some(identified.theta()),
+                None => consistent_estimate(run, set.parameter_table()),
+            },
             outside: physical.and_then(|p| p.deviations),
             rejects: physical.and_then(|p| p.rejects()),
             left_out: whole.filtered(|kept| !estimated.contains(&kept)),
@@ -79,7 +82,9 @@ impl Posterior {
             estimates,
             uncertainty,
         };
-        posterior.set_zeros(&settings.parameters.known)?;
+        if identified.model.is_none() {
+            posterior.set_zeros(&settings.parameters.known)?;
+        }
         posterior.held = posterior.holding()?;
         Ok(posterior)
     }

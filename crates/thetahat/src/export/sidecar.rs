@@ -63,7 +63,7 @@ impl IdentifiedModel {
             content: "covariance",
             robot: &self.identified.robot.name,
             case: &self.identified.case.name,
-            method: self.identified.run.method.name(),
+            method: self.identified.source_of_estimates().name(),
             about: if is_correlated { ABOUT } else { ABOUT_DEVIATIONS },
             base_parameters: self.base_entries(&covariance.base),
             base_covariance: lower(&covariance.base),

@@ -198,9 +198,14 @@ impl FilteredRecording {
 
     /// X of the measured motion.
     pub(crate) fn observation_matrix(&self, assembly: &Assembly<'_>) -> Result<Matrix, SignalError> {
+        self.observation_matrix_of(assembly, Sign::Exact)
+    }
+
+    /// The same with a sign of the velocity.
+    pub(crate) fn observation_matrix_of(&self, assembly: &Assembly<'_>, sign: Sign) -> Result<Matrix, SignalError> {
         let Motion { q, dq, ddq } = &self.motion;
         let assembly = assembly.clone().with_channels(self.channels_in_window());
-        assembly.observation_matrix(q, dq, ddq, Sign::Exact)
+        assembly.observation_matrix(q, dq, ddq, sign)
     }
 
     /// The channels that torque terms take, in the window.

@@ -74,6 +74,11 @@ impl Identification {
             progress("comparing the laws of torque terms");
             results.term_comparison = self.compare_terms(&problems[0])?;
         }
+        progress("choosing the model");
+        match self.model(&problems[0].problem, &results.runs)? {
+            Ok(model) => results.model = Some(model),
+            Err(why) => results.no_model = Some(why),
+        }
         judge(&mut results);
         Ok(results)
     }
@@ -215,6 +220,8 @@ impl Identification {
             diagnostics,
             runs,
             user_runs: Vec::new(),
+            model: None,
+            no_model: None,
             payloads: self.payloads()?,
             drive_gains: self.drive_gains(problem)?,
             experiment_description: String::new(),

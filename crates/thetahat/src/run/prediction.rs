@@ -6,18 +6,20 @@ use crate::preparation::{
     Basis, Case, FilteredRecording, Mask, NamedMask, PreparationError, Recording, Setup, SignalOptions,
 };
 use thetahat_estimation::{
-    identification::{Assembly, Method, RowMask},
+    identification::{Assembly, RowMask},
     regression::{Regression, RowLayout, relative_error_percent},
     signal::Motion,
 };
-use thetahat_ground::series::Series;
+use thetahat_ground::{linear_algebra::Matrix, series::Series};
 use thetahat_model::{dynamics::Sign, regressor::Regressor};
-use thetahat_report::results::{Prediction, Verdict, VerdictReason};
+use thetahat_report::results::{EstimateSource, ModelResult, Prediction, Verdict, VerdictReason};
 
 /// Base parameters of a case by name, the method that gave them, and the verdict on them.
 pub(crate) struct Identified<'a> {
     pub(crate) case: &'a Case,
-    pub(crate) method: Method,
+    pub(crate) source: EstimateSource,
+    /// The model that gave them; without it the sign of friction is exact.
+    pub(crate) model: Option<&'a ModelResult>,
     pub(crate) parameters: Vec<(String, f64)>,
     /// The verdict on them, and why it is not good.
     pub(crate) verdict: (Verdict, Vec<VerdictReason>),
@@ -42,7 +44,8 @@ pub(crate) fn predict_torques(
     }
     let has_torque = recording.torque.is_some();
     let filtered = setup.filter(recording)?;
-    let predictor = Predictor { setup, basis, columns, theta };
+    let sign = identified.model.map_or(Sign::Exact, |model| Sign::Smooth { scale: model.friction_transition });
+    let predictor = Predictor { setup, basis, columns, theta, sign };
     let torque = with_known(predictor.torques(&filtered)?, &filtered);
     let mask = filtered.mask(&predictor.basis.model, &predictor.columns);
     let near_rest = mask.as_ref().map_or_else(|| vec![0.0; filtered.recording.position.channels()], |m| m.left_out());
@@ -52,7 +55,7 @@ pub(crate) fn predict_torques(
     let (all_rows, all_predicted) = predictor.rows(&filtered, &every_sample, None)?;
     let rms = |p: &Vec<f64>| (p.iter().map(|v| v * v).sum::<f64>() / p.len() as f64).sqrt();
     Ok(Prediction {
-        method: identified.method,
+        source: identified.source,
         case: identified.case.name.clone(),
         sample_rate_hz: filtered.recording.sample_rate_hz,
         torque,
@@ -62,12 +65,30 @@ pub(crate) fn predict_torques(
         joint_all_samples_error_percent: joint_errors(has_torque, &all_rows, &all_predicted),
         near_rest,
         measured: filtered.recording.torque.clone().map(|measured| with_known(measured, &filtered)),
+        left_open_percent: identified.model.map(|m| left_open(m, &all_rows, &all_predicted)).unwrap_or_default(),
         rms: rows.layout.by_joint(&prediction).iter().map(rms).collect(),
         window_s: filtered.window_s(),
         joints: setup.robot.coordinates().map(|j| j.name.clone()).collect(),
         verdict: identified.verdict.0,
         verdict_reasons: identified.verdict.1.clone(),
     })
+}
+
+/// The deviation of each joint's torque, percent of its rms, that the covariance of the model's parameters leaves:
+/// `100 sqrt(sum_k x_k C x_k^T / sum_k tau_k^2)` over the joint's rows `x_k`.
+fn left_open(model: &ModelResult, rows: &Regression, prediction: &[f64]) -> Vec<f64> {
+    let entry = |i: usize, j: usize| {
+        let (low, high) = (i.min(j), i.max(j));
+        model.covariance.get(high * (high + 1) / 2 + low).copied().unwrap_or(0.0)
+    };
+    let covariance = Matrix::from_fn(rows.x.columns(), rows.x.columns(), entry);
+    let spread = rows.x.times_matrix(&covariance);
+    let variance = |k: usize| (0..rows.x.columns()).map(|c| spread.at(k, c) * rows.x.at(k, c)).sum::<f64>();
+    let of_joint = |j: usize| {
+        let sums = rows.layout.rows_of_joint(j).fold([0.0; 2], |[v, s], k| [v + variance(k), s + prediction[k].powi(2)]);
+        100.0 * (sums[0] / sums[1].max(f64::MIN_POSITIVE)).sqrt()
+    };
+    (0..rows.layout.joints()).map(of_joint).collect()
 }
 
 fn joint_errors(has_torque: bool, rows: &Regression, prediction: &[f64]) -> Vec<Option<f64>> {
@@ -89,6 +110,7 @@ struct Predictor<'a> {
     basis: Basis,
     columns: Vec<usize>,
     theta: Vec<f64>,
+    sign: Sign,
 }
 
 impl Predictor<'_> {
@@ -102,7 +124,7 @@ impl Predictor<'_> {
         let decimator = filtered.decimator(signal)?;
         let layout = RowLayout::new(self.basis.model.coordinate_count(), &[decimator.rows()]);
         let assembly = Assembly::new(&self.basis.model, &self.columns, decimator).masked(mask);
-        let x = filtered.observation_matrix(&assembly)?;
+        let x = filtered.observation_matrix_of(&assembly, self.sign)?;
         let y = assembly.measurement_vector(&filtered.centred_torque())?;
         let prediction = x.times(&self.theta);
         Ok((Regression::new(x, y, layout), prediction))
@@ -113,6 +135,6 @@ impl Predictor<'_> {
         let recording = &filtered.recording;
         let Motion { q, dq, ddq } = self.setup.band_pass(&recording.position, recording.sample_rate_hz)?;
         let regressor = Regressor::new(&self.basis.model, &self.columns).with_channels(filtered.channels.clone());
-        Ok(regressor.torques(&self.basis.model, [&q, &dq, &ddq], Sign::Exact, &self.theta))
+        Ok(regressor.torques(&self.basis.model, [&q, &dq, &ddq], self.sign, &self.theta))
     }
 }

@@ -302,6 +302,8 @@ fn results() -> Results {
         diagnostics: ["nominal", LONG_CASE].map(diagnosis).into(),
         runs: runs.collect(),
         user_runs: Vec::new(),
+        model: None,
+        no_model: None,
         payloads: Vec::new(),
         drive_gains: Vec::new(),
         experiment_description: "title = \"<i>\"\n".to_owned(),

@@ -122,6 +122,8 @@ impl ReducedIdentification<'_> {
             diagnostics: vec![diagnosis],
             runs,
             user_runs: Vec::new(),
+            model: None,
+            no_model: None,
             payloads: Vec::new(),
             drive_gains: Vec::new(),
             experiment_description: String::new(),

@@ -1,0 +1,170 @@
+//! The model: one robot with parameters, which predictions and exports use.
+
+use serde::{Deserialize, Serialize};
+
+use super::{parameters::ParameterResult, physical::PhysicalResult, run::RunResult};
+use thetahat_estimation::identification::{Method, Status};
+
+/// Percent of a base parameter that the recordings must have decided for it to be quoted by itself.
+const QUOTED: f64 = 90.0;
+
+/// The physically consistent robot that predicts unseen motion best.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModelResult {
+    /// The method whose rows it is fitted to.
+    pub method: Method,
+    /// Weight of the belief in the a-priori robot, in long-run variances of the residual.
+    pub belief_weight: f64,
+    /// The same as a deviation: by how many percent an a-priori body is believed to be off.
+    pub belief_percent: f64,
+    /// Links whose a-priori bodies were guessed from the geometry, from one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub guessed_links: Vec<usize>,
+    /// Velocity v of `tanh(dq / v)`, the sign of the Coulomb friction, rad/s (m/s where all joints slide).
+    pub friction_transition: f64,
+    /// What was tried, the default first.
+    pub candidates: Vec<ModelCandidate>,
+    /// Error on the rows that it is fitted to.
+    pub fit: ModelError,
+    /// Error on parts of the recordings that neither fit nor choice has seen; `null` where none can be left out.
+    pub unseen: Option<ModelError>,
+    /// All base parameters.
+    pub parameters: Vec<ModelParameter>,
+    /// Covariance of the base parameters, by recordings and belief: the lower triangle row by row, SI.
+    pub covariance: Vec<f64>,
+    /// All standard parameters.
+    pub standard: Vec<ModelStandardParameter>,
+    /// Time of fit and choice, s.
+    pub seconds: f64,
+}
+
+/// A candidate for the model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModelCandidate {
+    /// Weight of the belief.
+    pub belief_weight: f64,
+    /// Velocity of the friction's transition.
+    pub friction_transition: f64,
+    /// Mean square of its errors on what is left out, in long-run variances of the residual.
+    pub unseen_square: f64,
+    /// Difference of that square from the one of the candidate that it challenged, and its standard error between the parts.
+    pub difference: Option<[f64; 2]>,
+    /// Whether it was taken over that candidate.
+    pub taken: bool,
+}
+
+/// The error of predicted torques, percent: `100 |tau - tau_hat| / |tau|` over the samples that are named.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModelError {
+    /// All joints and samples.
+    pub percent: f64,
+    /// Each joint.
+    pub joints: Vec<ModelJointError>,
+}
+
+/// The error of one joint's torque.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModelJointError {
+    /// All samples; `null` where the torque is zero.
+    pub percent: Option<f64>,
+    /// While the joint moves.
+    pub moving_percent: Option<f64>,
+    /// While it is near rest.
+    pub near_rest_percent: Option<f64>,
+    /// Percent of the samples near rest.
+    pub near_rest_share_percent: f64,
+    /// Root mean square of the error, N m or N.
+    pub rms: f64,
+}
+
+/// A base parameter of the model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModelParameter {
+    /// Name.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
+    /// Regrouping formula.
+    pub expression: String,
+    /// Value.
+    pub value: f64,
+    /// Value of the a-priori robot.
+    pub a_priori: f64,
+    /// Percent of it that the recordings decided: `100 (1 - variance / variance by the belief alone)`.
+    pub decided_percent: f64,
+    /// Interval of the recordings alone, inside what a robot can have; `null` where they do not determine it.
+    pub interval_95: Option<[f64; 2]>,
+    /// True value, for a simulated robot.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub true_value: Option<f64>,
+}
+
+/// A standard parameter of the model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModelStandardParameter {
+    /// Name.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
+    /// Value.
+    pub value: f64,
+    /// Value believed before the recordings.
+    pub a_priori: f64,
+}
+
+impl ModelParameter {
+    /// Whether the recordings decided it, so that it can be quoted by itself.
+    #[must_use]
+    pub fn is_decided(&self) -> bool {
+        self.decided_percent >= QUOTED
+    }
+}
+
+impl ModelResult {
+    /// The model as a run of the nominal case, for what takes estimates of a run: its base parameters with the deviations
+    /// of its covariance, and its standard parameters as the consistent estimate.
+    #[must_use]
+    pub fn as_run(&self, case: &str) -> RunResult {
+        let deviation = |i: usize| self.covariance.get((i + 1) * (i + 2) / 2 - 1).copied().unwrap_or(0.0).max(0.0).sqrt();
+        let parameter = |(i, p): (usize, &ModelParameter)| ParameterResult {
+            name: p.name.clone(),
+            estimate: p.value,
+            standard_deviation: Some(deviation(i)),
+            relative_standard_deviation_percent: None,
+            true_value: p.true_value,
+            unit: p.unit.clone(),
+            expression: p.expression.clone(),
+            shown: true,
+            standard_deviation_robust: Some(deviation(i)),
+            interval_95: p.interval_95,
+        };
+        RunResult {
+            relative_error_percent: Some(self.fit.percent),
+            joint_relative_error_percent: self.fit.joints.iter().map(|j| j.percent).collect(),
+            cross_validation_relative_error_percent: self.unseen.as_ref().map(|e| e.percent),
+            parameters: self.parameters.iter().enumerate().map(parameter).collect(),
+            covariance: self.covariance.clone(),
+            physical: Some(self.physical()),
+            ..RunResult::new(case, self.method, Status::Converged)
+        }
+    }
+
+    fn physical(&self) -> PhysicalResult {
+        PhysicalResult {
+            consistent: true,
+            inconsistent: Vec::new(),
+            violations: Vec::new(),
+            deviations: None,
+            smallest_eigenvalue: 0.0,
+            findings: Vec::new(),
+            estimate: None,
+            reason: None,
+        }
+    }
+
+    /// The value of a standard parameter.
+    #[must_use]
+    pub fn standard_value(&self, name: &str) -> Option<f64> {
+        self.standard.iter().find(|p| p.name == name).map(|p| p.value)
+    }
+}

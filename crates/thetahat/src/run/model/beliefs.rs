@@ -1,0 +1,144 @@
+//! What is believed of motors, friction and offsets before the recordings are fitted: their usual sizes.
+
+use super::rows::ModelRows;
+use crate::{preparation::Problem, run::identification::Identification};
+use thetahat_ground::linear_algebra::{Matrix, norm};
+use thetahat_model::{
+    consistency::{Beliefs, ConsistentSet, stated_links},
+    dynamics::{DynamicParameters, Model, Workspace},
+    robot::{Bound, ParameterTable, Role},
+};
+
+/// Part of the belief's weight for a body that is guessed from the geometry.
+const GUESSED: f64 = 0.1;
+/// Part of a joint's inertia that its motor usually has.
+const MOTOR_PART: f64 = 0.5;
+/// Least size relative to the largest of its kind.
+const LEAST: f64 = 1e-2;
+/// Usual part of a joint's torque in a number of which the torques show nothing.
+const USUAL_PART: f64 = 0.05;
+/// How far a number of either sign may usually lie from zero, in its size.
+const FREE: f64 = 3.0;
+/// Part of each diagonal entry that is added to the normal equations of the sizes.
+const RIDGE: f64 = 1e-6;
+
+/// The beliefs of a robot: sizes of friction and offsets are those that fit the torques with its a-priori bodies, sizes of
+/// motor inertias follow from the mass matrix where none is given.
+pub(super) fn beliefs(
+    identification: &Identification,
+    problem: &Problem,
+    rows: &ModelRows,
+    set: &ConsistentSet,
+) -> Beliefs {
+    let robot = identification.setup().robot;
+    let table = set.parameter_table();
+    let stated = stated_links(robot);
+    let is_guessed = |k: usize| !stated[k];
+    Beliefs {
+        sizes: sizes(identification, problem, rows, set, table),
+        link_parts: (0..stated.len()).map(|k| if is_guessed(k) { GUESSED } else { 1.0 }).collect(),
+    }
+}
+
+fn sizes(
+    identification: &Identification,
+    problem: &Problem,
+    rows: &ModelRows,
+    set: &ConsistentSet,
+    table: &ParameterTable,
+) -> Vec<f64> {
+    let fitted = fitted(problem, rows, set);
+    let usual = usual(problem, rows);
+    let motors = motor_inertias(identification, set);
+    let largest = |i: usize| {
+        let same = |k: &usize| table.get(*k).quantity == table.get(i).quantity;
+        (0..table.len()).filter(same).map(|k| fitted[k].abs()).fold(0.0, f64::max)
+    };
+    let excluded = &identification.setup().settings.parameters.exclude;
+    let size = |i: usize| {
+        let parameter = table.get(i);
+        if excluded.contains(&parameter.name()) {
+            return 0.0;
+        }
+        let of_kind = fitted[i].abs().max(LEAST * largest(i));
+        let size = if of_kind > 0.0 { of_kind } else { usual[i] };
+        match parameter.quantity.role() {
+            Role::Inertial => 0.0,
+            Role::MotorInertia if set.a_priori()[i] > 0.0 => set.a_priori()[i],
+            Role::MotorInertia => motors[parameter.number - 1],
+            Role::ViscousFriction | Role::CoulombFriction | Role::Load => {
+                if parameter.quantity.bound() == Bound::NotNegative { size } else { FREE * size.max(usual[i]) }
+            }
+        }
+    };
+    (0..table.len()).map(size).collect()
+}
+
+/// Friction and offsets that fit the torques with the a-priori bodies, zero where the rows show nothing of them.
+fn fitted(problem: &Problem, rows: &ModelRows, set: &ConsistentSet) -> Vec<f64> {
+    let table = set.parameter_table();
+    let columns = problem.base.columns();
+    let of_drive = |c: &usize| {
+        let quantity = table.get(columns[*c]).quantity;
+        !quantity.is_inertial() && !quantity.is_motor_inertia()
+    };
+    let drives: Vec<usize> = (0..columns.len()).filter(of_drive).collect();
+    let bodies: Vec<f64> =
+        (0..table.len()).map(|i| if table.get(i).quantity.is_inertial() { set.a_priori()[i] } else { 0.0 }).collect();
+    let of_bodies = rows.x.times(&problem.base.from_standard(&bodies));
+    let rest: Vec<f64> = rows.y.iter().zip(of_bodies).map(|(y, b)| y - b).collect();
+    let x = rows.x.select_columns(&drives);
+    let gram = x.transposed_times(&x);
+    let entry = |i: usize, j: usize| match i == j {
+        true if gram.at(i, i) > 0.0 => gram.at(i, i) * (1.0 + RIDGE),
+        true => 1.0,
+        false => gram.at(i, j),
+    };
+    let solved = Matrix::from_fn(drives.len(), drives.len(), entry).cholesky().map(|f| f.solve(&x.transpose_times(&rest)));
+    let mut out = vec![0.0; table.len()];
+    for (c, value) in drives.iter().zip(solved.unwrap_or_default()) {
+        out[columns[*c]] = value;
+    }
+    out
+}
+
+/// The value with which each parameter makes a usual part of its joint's torque.
+fn usual(problem: &Problem, rows: &ModelRows) -> Vec<f64> {
+    let columns = problem.base.columns();
+    let mut out = vec![1.0; problem.model.parameter_table().len()];
+    for (c, &i) in columns.iter().enumerate() {
+        let column = rows.x.column(c);
+        let concerned = |(k, y): (usize, &f64)| if column[k] == 0.0 { 0.0 } else { y * y };
+        let torque = rows.y.iter().enumerate().map(concerned).sum::<f64>().sqrt();
+        let size = norm(column);
+        if size > 0.0 && torque > 0.0 {
+            out[i] = USUAL_PART * torque / size;
+        }
+    }
+    out
+}
+
+/// Half of each joint's inertia at the mean position, of the a-priori bodies; by joints in the numbering of parameters.
+fn motor_inertias(identification: &Identification, set: &ConsistentSet) -> Vec<f64> {
+    let robot = identification.setup().robot;
+    let model = Model::new(robot);
+    let joints = robot.coordinate_joints();
+    let coordinates = model.coordinate_count();
+    let mut sizes = vec![1.0; robot.link_count().max(coordinates)];
+    let Ok(parameters) = DynamicParameters::new(&model, set.a_priori()) else { return sizes };
+    let mut mass = vec![0.0; coordinates * coordinates];
+    model.mass_matrix(&parameters, &mean_position(identification), &mut Workspace::new(&model), &mut mass);
+    for (c, joint) in joints.iter().enumerate() {
+        let inertia = mass[c * coordinates + c];
+        if inertia > 0.0 {
+            sizes[*joint] = MOTOR_PART * inertia;
+        }
+    }
+    sizes
+}
+
+fn mean_position(identification: &Identification) -> Vec<f64> {
+    let Some(first) = identification.main.first() else { return Vec::new() };
+    let q = &first.filtered.motion.q;
+    (0..q.channels()).map(|j| (0..q.len()).map(|k| q.sample(k)[j]).sum::<f64>() / q.len().max(1) as f64).collect()
+}

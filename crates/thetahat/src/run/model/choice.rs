@@ -1,0 +1,350 @@
+//! The choice of the belief's weight and of the friction's transition by what is left out.
+
+use std::{collections::HashMap, sync::Mutex};
+
+use super::{
+    folds::{FOLDS, ModelFolds},
+    rows::ModelRows,
+};
+use thetahat_ground::{
+    linear_algebra::{Matrix, dot, norm},
+    pool::in_parallel,
+};
+use thetahat_model::{
+    base_parameters::BaseParameters,
+    consistency::{ConsistentSet, LeastSquares, Prior, fit_within},
+};
+use thetahat_report::results::ModelCandidate;
+
+/// Weights of the belief, in long-run variances of the residual; the first is the default.
+const WEIGHTS: [f64; 7] = [1.0, 1e-3, 1e-2, 0.1, 10.0, 100.0, 1000.0];
+/// Standard errors of the mean difference by which a challenger must be better.
+const STANDARD_ERRORS: f64 = 2.0;
+/// Fewest parts left out with which a challenger can replace the default.
+const FEWEST_FOLDS: usize = 4;
+/// Accuracy of fits that are compared, and of the one that is kept.
+const GAPS: [f64; 2] = [1e-7, 1e-10];
+/// Rounds in which the deviations of the joints settle.
+const ROUNDS: usize = 4;
+/// First deviation of a joint's residual, relative to its torque.
+const FIRST_DEVIATION: f64 = 0.02;
+/// Least deviation relative to the torque: simulated recordings without noise have none.
+const LEAST_DEVIATION: f64 = 1e-6;
+/// The weight at which the deviations are measured: next to free estimates.
+const NEXT_TO_FREE: f64 = 1e-3;
+
+/// What is chosen from.
+pub(super) struct Choosing<'a> {
+    pub(super) set: &'a ConsistentSet,
+    pub(super) base: &'a BaseParameters,
+    /// The rows of each transition.
+    pub(super) laws: &'a [ModelRows],
+    pub(super) transitions: &'a [f64],
+    pub(super) folds: &'a ModelFolds,
+}
+
+/// What was chosen.
+pub(super) struct Choice {
+    pub(super) law: usize,
+    pub(super) transition: f64,
+    pub(super) weight: f64,
+    pub(super) standard: Vec<f64>,
+    /// The whitened rows.
+    pub(super) data: LeastSquares,
+    pub(super) candidates: Vec<ModelCandidate>,
+    pub(super) unseen: Option<Unseen>,
+}
+
+/// The prediction of rows that neither fit nor choice has seen.
+pub(super) struct Unseen {
+    pub(super) prediction: Vec<f64>,
+    pub(super) seen: Vec<bool>,
+}
+
+/// A candidate: indices of its transition and weight.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+struct Candidate {
+    law: usize,
+    weight: usize,
+}
+
+const DEFAULT: Candidate = Candidate { law: 0, weight: 0 };
+
+impl Choosing<'_> {
+    pub(super) fn choose(&self, threads: usize) -> Option<Choice> {
+        let deviations = self.deviations()?;
+        let whitened: Vec<Whitened> = self.laws.iter().map(|rows| Whitened::new(rows, self.folds, &deviations)).collect();
+        let search = Search { choosing: self, whitened: &whitened, threads, fitted: Mutex::default() };
+        let (chosen, candidates) = search.chosen(None);
+        let data = whitened[chosen.law].all(self.base, self.set)?;
+        let standard = fit_within(self.set, &data, prior(chosen.weight), None, GAPS[1]).ok()?.standard;
+        Some(Choice {
+            law: chosen.law,
+            transition: self.transitions[chosen.law],
+            weight: WEIGHTS[chosen.weight],
+            standard,
+            data,
+            candidates,
+            unseen: search.unseen(),
+        })
+    }
+
+    /// The long-run deviation of each joint's residual, with the default transition and next to free estimates.
+    fn deviations(&self) -> Option<Vec<f64>> {
+        let rows = &self.laws[DEFAULT.law];
+        let torque: Vec<f64> = rows.layout.by_joint(&rows.y).iter().map(|y| rms(y)).collect();
+        let largest = torque.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let least: Vec<f64> = torque.iter().map(|t| LEAST_DEVIATION * t.max(LEAST_DEVIATION * largest)).collect();
+        let mut deviations: Vec<f64> =
+            torque.iter().zip(&least).map(|(t, least)| (FIRST_DEVIATION * t).max(*least)).collect();
+        let mut start: Option<Vec<f64>> = None;
+        for round in 0..ROUNDS {
+            let whitened = Whitened::new(rows, self.folds, &deviations);
+            let data = whitened.all(self.base, self.set)?;
+            let prior = Prior::Belief { weight: NEXT_TO_FREE };
+            let fit = fit_within(self.set, &data, prior, start.as_deref(), GAPS[0]).ok()?;
+            let prediction = rows.x.times(&self.base.from_standard(&fit.standard));
+            let residual: Vec<f64> = rows.y.iter().zip(prediction).map(|(y, p)| y - p).collect();
+            let of_joint = |e: &Vec<f64>| if round + 1 == ROUNDS { long_run_deviation(e) } else { rms(e) };
+            let found = rows.layout.by_joint(&residual);
+            deviations = found.iter().zip(&least).map(|(e, least)| of_joint(e).max(*least)).collect();
+            start = Some(fit.standard);
+        }
+        Some(deviations)
+    }
+}
+
+fn prior(weight: usize) -> Prior {
+    Prior::Belief { weight: WEIGHTS[weight] }
+}
+
+fn rms(values: &[f64]) -> f64 {
+    norm(values) / (values.len().max(1) as f64).sqrt()
+}
+
+/// The deviation of the mean of a series times the root of its length: widened by its autocorrelation with Bartlett's
+/// weights (Newey and West, 1987).
+fn long_run_deviation(residual: &[f64]) -> f64 {
+    let count = residual.len();
+    let mean = residual.iter().sum::<f64>() / count.max(1) as f64;
+    let centred: Vec<f64> = residual.iter().map(|e| e - mean).collect();
+    let variance = dot(&centred, &centred);
+    if variance == 0.0 {
+        return rms(residual);
+    }
+    let lags = ((4.0 * (count as f64 / 100.0).powf(2.0 / 9.0)) as usize + 4).min(count - 1);
+    let part = |k: usize| (1.0 - k as f64 / (lags + 1) as f64) * dot(&centred[k..], &centred[..count - k]) / variance;
+    let widening = 1.0 + 2.0 * (1..=lags).map(part).sum::<f64>();
+    rms(residual) * widening.max(1.0).sqrt()
+}
+
+/// Whitened rows of one transition: triangular factors of each part, and of the rows that belong to none.
+struct Whitened {
+    x: Matrix,
+    y: Vec<f64>,
+    /// The factor of `[X y]` of each part; the last is that of the rows near borders.
+    factors: Vec<Matrix>,
+    /// The part of each row.
+    of_row: Vec<usize>,
+}
+
+impl Whitened {
+    fn new(rows: &ModelRows, folds: &ModelFolds, deviations: &[f64]) -> Self {
+        let scale: Vec<f64> = rows.layout.spread(|block| 1.0 / deviations[block.joint]);
+        let scale: Vec<f64> = scale.iter().zip(&rows.weights).map(|(s, w)| s * w).collect();
+        let x = rows.x.scale_rows(&scale);
+        let y: Vec<f64> = rows.y.iter().zip(&scale).map(|(y, s)| y * s).collect();
+        let per_joint = folds.of_row.len();
+        let of_row: Vec<usize> = (0..y.len()).map(|k| folds.of_row[k % per_joint].unwrap_or(FOLDS)).collect();
+        let right = Matrix::from_fn(y.len(), 1, |k, _| y[k]);
+        let both = Matrix::side_by_side(&[&x, &right]);
+        let factor = |part: usize| {
+            let keep: Vec<bool> = of_row.iter().map(|p| *p == part).collect();
+            both.select_rows(&keep).triangular_factor()
+        };
+        Self { factors: (0..=FOLDS).map(factor).collect(), x, y, of_row }
+    }
+
+    /// The least squares of all rows.
+    fn all(&self, base: &BaseParameters, set: &ConsistentSet) -> Option<LeastSquares> {
+        let parts: Vec<&Matrix> = self.factors.iter().filter(|f| f.rows() > 0).collect();
+        least_squares(&parts, base, set)
+    }
+
+    /// Those without some parts, and without the rows near borders.
+    fn without(&self, out: &[usize], base: &BaseParameters, set: &ConsistentSet) -> Option<LeastSquares> {
+        let kept = (0..FOLDS).filter(|part| !out.contains(part)).map(|part| &self.factors[part]);
+        least_squares(&kept.filter(|f| f.rows() > 0).collect::<Vec<_>>(), base, set)
+    }
+
+    fn rows_of(&self, part: usize) -> impl Iterator<Item = usize> + '_ {
+        (0..self.y.len()).filter(move |k| self.of_row[*k] == part)
+    }
+}
+
+fn least_squares(parts: &[&Matrix], base: &BaseParameters, set: &ConsistentSet) -> Option<LeastSquares> {
+    let factor = Matrix::stack(parts).triangular_factor();
+    let columns = factor.columns() - 1;
+    let r = factor.select_columns(&(0..columns).collect::<Vec<_>>());
+    LeastSquares::in_base(&r, factor.column(columns).to_vec(), base, set.parameter_table().len()).ok()
+}
+
+/// A candidate fitted without some parts.
+type Fitted = (Candidate, Vec<usize>);
+
+/// The fits of candidates without one or two parts, each made once.
+struct Search<'a> {
+    choosing: &'a Choosing<'a>,
+    whitened: &'a [Whitened],
+    threads: usize,
+    /// Base parameters; none where a fit has no result.
+    fitted: Mutex<HashMap<Fitted, Option<Vec<f64>>>>,
+}
+
+impl Search<'_> {
+    /// The parts that are left out in turn when one is kept from the choice.
+    fn parts(&self, kept_out: Option<usize>) -> Vec<usize> {
+        (0..self.choosing.folds.count).filter(|part| Some(*part) != kept_out).collect()
+    }
+
+    /// The candidate that is chosen without a part, with all that were compared.
+    fn chosen(&self, kept_out: Option<usize>) -> (Candidate, Vec<ModelCandidate>) {
+        let laws: Vec<Candidate> = (0..self.choosing.laws.len()).map(|law| Candidate { law, weight: 0 }).collect();
+        let (best, mut compared) = self.best_of(&laws, kept_out);
+        let weights: Vec<Candidate> =
+            (0..WEIGHTS.len()).map(|weight| Candidate { weight, law: best.law }).collect();
+        let (best, further) = self.best_of(&weights, kept_out);
+        compared.extend(further.into_iter().skip(1));
+        (best, compared)
+    }
+
+    /// The best of candidates, of which the first is the one that the others challenge.
+    fn best_of(&self, candidates: &[Candidate], kept_out: Option<usize>) -> (Candidate, Vec<ModelCandidate>) {
+        let parts = self.parts(kept_out);
+        let mut jobs = Vec::new();
+        for candidate in candidates {
+            jobs.extend(parts.iter().map(|part| (*candidate, left_out(*part, kept_out))));
+        }
+        self.fit_all(jobs);
+        let squares: Vec<Option<Vec<f64>>> = candidates.iter().map(|c| self.squares(*c, &parts, kept_out)).collect();
+        let Some(default) = &squares[0] else { return (candidates[0], Vec::new()) };
+        let mut best = 0;
+        let mut compared = Vec::new();
+        for (k, found) in squares.iter().enumerate() {
+            let Some(found) = found else { continue };
+            let difference = (k > 0).then(|| mean_and_error(found, default));
+            let is_better =
+                difference.is_some_and(|[mean, error]| mean < -STANDARD_ERRORS * error) && parts.len() >= FEWEST_FOLDS;
+            if is_better && squares[best].as_ref().is_none_or(|b| mean(found) < mean(b)) {
+                best = k;
+            }
+            compared.push(ModelCandidate {
+                belief_weight: WEIGHTS[candidates[k].weight],
+                friction_transition: self.choosing.transitions[candidates[k].law],
+                unseen_square: mean(found),
+                difference,
+                taken: false,
+            });
+        }
+        let taken = candidates[best];
+        for candidate in &mut compared {
+            candidate.taken = candidate.belief_weight == WEIGHTS[taken.weight]
+                && candidate.friction_transition == self.choosing.transitions[taken.law];
+        }
+        (taken, compared)
+    }
+
+    /// Makes the fits that are missing, several at a time.
+    fn fit_all(&self, jobs: Vec<Fitted>) {
+        let missing: Vec<Fitted> = {
+            let Ok(known) = self.fitted.lock() else { return };
+            jobs.into_iter().filter(|job| !known.contains_key(job)).collect()
+        };
+        let found = in_parallel(missing.len(), self.threads, |k| self.fit(&missing[k]));
+        if let Ok(mut known) = self.fitted.lock() {
+            known.extend(missing.into_iter().zip(found));
+        }
+    }
+
+    fn fit(&self, (candidate, out): &Fitted) -> Option<Vec<f64>> {
+        let Choosing { set, base, .. } = self.choosing;
+        let data = self.whitened[candidate.law].without(out, base, set)?;
+        let fit = fit_within(set, &data, prior(candidate.weight), None, GAPS[0]).ok()?;
+        Some(base.from_standard(&fit.standard))
+    }
+
+    fn estimate(&self, candidate: Candidate, out: Vec<usize>) -> Option<Vec<f64>> {
+        self.fitted.lock().ok()?.get(&(candidate, out)).cloned().flatten()
+    }
+
+    /// The mean square of the errors in each part.
+    fn squares(&self, candidate: Candidate, parts: &[usize], kept_out: Option<usize>) -> Option<Vec<f64>> {
+        let rows = &self.whitened[candidate.law];
+        let of_part = |part: &usize| {
+            let theta = self.estimate(candidate, left_out(*part, kept_out))?;
+            let prediction = rows.x.times(&theta);
+            let errors: Vec<f64> = rows.rows_of(*part).map(|k| rows.y[k] - prediction[k]).collect();
+            Some(dot(&errors, &errors) / errors.len().max(1) as f64)
+        };
+        let squares: Option<Vec<f64>> = parts.iter().map(of_part).collect();
+        squares.filter(|s| !s.is_empty() && s.iter().all(|v| v.is_finite()))
+    }
+
+    /// Each part predicted by the candidate that is chosen, and fitted, without it.
+    fn unseen(&self) -> Option<Unseen> {
+        let parts = self.parts(None);
+        if parts.is_empty() {
+            return None;
+        }
+        let count = self.whitened[0].y.len();
+        let mut unseen = Unseen { prediction: vec![0.0; count], seen: vec![false; count] };
+        for part in parts {
+            let (chosen, _) = self.chosen(Some(part));
+            self.fit_all(vec![(chosen, vec![part])]);
+            let theta = self.estimate(chosen, vec![part])?;
+            let prediction = self.choosing.laws[chosen.law].x.times(&theta);
+            for k in self.whitened[chosen.law].rows_of(part) {
+                (unseen.prediction[k], unseen.seen[k]) = (prediction[k], true);
+            }
+        }
+        Some(unseen)
+    }
+}
+
+/// The parts without which a fit predicts one, in order.
+fn left_out(part: usize, kept_out: Option<usize>) -> Vec<usize> {
+    let mut out: Vec<usize> = [part].into_iter().chain(kept_out).collect();
+    out.sort_unstable();
+    out
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// Mean of the differences of two lists, and its standard error.
+fn mean_and_error(of: &[f64], from: &[f64]) -> [f64; 2] {
+    let differences: Vec<f64> = of.iter().zip(from).map(|(a, b)| a - b).collect();
+    let (centre, count) = (mean(&differences), differences.len() as f64);
+    let spread: f64 = differences.iter().map(|d| (d - centre).powi(2)).sum();
+    [centre, (spread / (count - 1.0).max(1.0) / count).sqrt()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mean_difference_has_its_standard_error() {
+        let [mean, error] = mean_and_error(&[1.0, 2.0, 3.0], &[0.0, 0.0, 0.0]);
+        assert!((mean - 2.0).abs() < 1e-15 && (error - (1.0_f64 / 3.0).sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_series_that_holds_each_value_twice_has_a_larger_long_run_deviation() {
+        let white: Vec<f64> = (0..400).map(|k| if (k * 7919) % 13 < 6 { 1.0 } else { -1.0 }).collect();
+        let held: Vec<f64> = white.iter().flat_map(|v| [*v, *v]).collect();
+        assert!(long_run_deviation(&held) > 1.2 * long_run_deviation(&white));
+        assert_eq!(long_run_deviation(&[0.0; 8]), 0.0);
+    }
+}

@@ -1,0 +1,156 @@
+//! The model: one physically consistent robot, chosen by what it predicts of motion that it has not seen.
+//!
+//! A consistent least squares in the rows of all samples, each joint whitened by the long-run deviation of its residual, with a
+//! belief in the a-priori robot ([`thetahat_model::consistency::Prior::Belief`]). Other weights of the belief and other
+//! velocities at which the friction changes its sign replace the default where they predict what is left out better by more
+//! than chance.
+
+mod beliefs;
+mod choice;
+mod errors;
+mod folds;
+mod rows;
+
+use super::identification::Identification;
+use crate::preparation::{PreparationError, Problem};
+use beliefs::beliefs;
+use choice::{Choice, Choosing};
+use errors::{Speeds, errors};
+use folds::ModelFolds;
+use rows::ModelRows;
+use thetahat_estimation::identification::{Method, Status};
+use thetahat_ground::{clock::Stopwatch, linear_algebra::Matrix};
+use thetahat_model::{
+    consistency::{BaseKnowledge, ConsistentSet, bounds_of, interval_in, knowledge_of_base},
+    robot::JointKind,
+};
+use thetahat_report::results::{ModelParameter, ModelResult, ModelStandardParameter, NOMINAL, RunResult};
+
+/// Velocities at which the sign of Coulomb friction is `tanh(1)`, rad/s; the first is the default.
+const TRANSITIONS: [f64; 4] = [0.01, 0.003, 0.03, 0.1];
+/// The same of a robot whose joints all slide, m/s: of a motor on a screw or pinion of 0.1 m/rad.
+const SLIDING: f64 = 0.1;
+
+impl Identification {
+    /// The model of the nominal case, or why there is none.
+    ///
+    /// # Errors
+    /// [`PreparationError`] where rows cannot be made.
+    pub(super) fn model(
+        &self,
+        problem: &Problem,
+        runs: &[RunResult],
+    ) -> Result<Result<ModelResult, String>, PreparationError> {
+        let stopwatch = Stopwatch::start();
+        if self.main.iter().any(|p| p.filtered.recording.torque.is_none()) {
+            return Ok(Err("the model is fitted to torques, and none are recorded".to_owned()));
+        }
+        let set = match problem.consistent_set(self.setup()) {
+            Ok(set) => set,
+            Err(error) => return Ok(Err(error.to_string())),
+        };
+        let transitions = self.transitions();
+        let rows = ModelRows::new(self, problem, transitions[0])?;
+        let set = match set.clone().with_beliefs(beliefs(self, problem, &rows, set)) {
+            Ok(set) => set,
+            Err(error) => return Ok(Err(error.to_string())),
+        };
+        let folds = ModelFolds::new(self, &rows);
+        let others = transitions[1..].iter().map(|v| rows.with_transition(self, problem, *v));
+        let laws: Vec<ModelRows> =
+            std::iter::once(Ok(rows.clone())).chain(others).collect::<Result<_, PreparationError>>()?;
+        let choosing = Choosing { set: &set, base: &problem.base, laws: &laws, transitions: &transitions, folds: &folds };
+        let Some(choice) = choosing.choose(self.threads) else {
+            return Ok(Err("the rows determine no physically consistent robot".to_owned()));
+        };
+        let mut model = self.model_result(problem, &set, &laws, &choice, runs);
+        model.seconds = stopwatch.seconds();
+        Ok(Ok(model))
+    }
+
+    fn transitions(&self) -> [f64; 4] {
+        let slides = self.setup().robot.coordinates().all(|joint| joint.kind == JointKind::Prismatic);
+        TRANSITIONS.map(|v| if slides { SLIDING * v } else { v })
+    }
+
+    fn model_result(
+        &self,
+        problem: &Problem,
+        set: &ConsistentSet,
+        laws: &[ModelRows],
+        choice: &Choice,
+        runs: &[RunResult],
+    ) -> ModelResult {
+        let rows = &laws[choice.law];
+        let theta = problem.base.from_standard(&choice.standard);
+        let speeds = Speeds::new(self, rows);
+        let guessed = thetahat_model::consistency::stated_links(self.setup().robot);
+        let knowledge = knowledge_of_base(set, &choice.data, choice.weight, &problem.base).ok();
+        ModelResult {
+            method: Method::IDIM_WLS,
+            belief_weight: choice.weight,
+            belief_percent: 100.0 * (2.0 / choice.weight).sqrt(),
+            guessed_links: (0..guessed.len()).filter(|k| !guessed[*k]).map(|k| k + 1).collect(),
+            friction_transition: choice.transition,
+            candidates: choice.candidates.clone(),
+            fit: errors(rows, &rows.x.times(&theta), None, &speeds),
+            unseen: choice.unseen.as_ref().map(|unseen| errors(rows, &unseen.prediction, Some(&unseen.seen), &speeds)),
+            parameters: self.model_parameters(problem, set, &theta, knowledge.as_ref(), runs),
+            covariance: knowledge.map(|k| lower_triangle(&k.covariance)).unwrap_or_default(),
+            standard: standard_parameters(set, &choice.standard),
+            seconds: 0.0,
+        }
+    }
+
+    fn model_parameters(
+        &self,
+        problem: &Problem,
+        set: &ConsistentSet,
+        theta: &[f64],
+        knowledge: Option<&BaseKnowledge>,
+        runs: &[RunResult],
+    ) -> Vec<ModelParameter> {
+        let a_priori = problem.base.from_standard(set.a_priori());
+        let decided = knowledge.map_or_else(|| vec![0.0; theta.len()], BaseKnowledge::decided_percent);
+        let free = free_run(runs);
+        let truth = self.main.first().and_then(|p| p.filtered.recording.truth.as_ref());
+        let truth = truth.filter(|t| problem.base.agrees_with_fixed(t)).map(|t| problem.base.from_standard(t));
+        let parameter = |(i, p): (usize, &thetahat_model::base_parameters::BaseParameter)| ModelParameter {
+            name: p.name.clone(),
+            unit: p.unit.to_string(),
+            expression: p.expression.clone(),
+            value: theta[i],
+            a_priori: a_priori[i],
+            decided_percent: decided[i],
+            interval_95: free
+                .and_then(|run| run.parameter(&p.name)?.interval_95)
+                .map(|interval| interval_in(bounds_of(set, p), interval, theta[i])),
+            true_value: truth.as_ref().map(|truth| truth[i]),
+        };
+        problem.base.parameters().iter().enumerate().map(parameter).collect()
+    }
+}
+
+/// The run whose intervals are those of the recordings alone: weighted least squares, or else plain.
+fn free_run(runs: &[RunResult]) -> Option<&RunResult> {
+    let of = |method: Method| {
+        let converged = |r: &&RunResult| r.status == Status::Converged && r.case == NOMINAL && r.method == method;
+        runs.iter().find(converged)
+    };
+    of(Method::IDIM_WLS).or_else(|| of(Method::IDIM_LS))
+}
+
+fn lower_triangle(matrix: &Matrix) -> Vec<f64> {
+    (0..matrix.rows()).flat_map(|i| (0..=i).map(move |j| matrix.at(i, j))).collect()
+}
+
+fn standard_parameters(set: &ConsistentSet, standard: &[f64]) -> Vec<ModelStandardParameter> {
+    let parameters = set.parameter_table().iter().zip(standard).zip(set.believed());
+    let parameter = |((p, value), a_priori): ((&thetahat_model::robot::Parameter, &f64), f64)| ModelStandardParameter {
+        name: p.name(),
+        unit: p.unit.to_string(),
+        value: *value,
+        a_priori,
+    };
+    parameters.map(parameter).collect()
+}

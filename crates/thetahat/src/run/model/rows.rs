@@ -1,0 +1,81 @@
+//! The rows that the model is fitted to: those of every sample of the windows, with a smooth sign of the velocity.
+
+use crate::{
+    preparation::{FilteredRecording, Mask, NamedMask, PreparationError, Problem, SignalOptions},
+    run::identification::Identification,
+};
+use thetahat_estimation::{identification::Assembly, regression::RowLayout, signal::Decimator};
+use thetahat_ground::linear_algebra::Matrix;
+use thetahat_model::dynamics::Sign;
+
+/// X and y of all base parameters.
+#[derive(Debug, Clone)]
+pub(super) struct ModelRows {
+    pub(super) x: Matrix,
+    pub(super) y: Vec<f64>,
+    pub(super) layout: RowLayout,
+    /// The decimation of each recording.
+    pub(super) decimators: Vec<Decimator>,
+    /// The root of each row's weight, by its recording.
+    pub(super) weights: Vec<f64>,
+}
+
+/// Every sample makes rows.
+fn every_sample(signal: &SignalOptions) -> SignalOptions {
+    SignalOptions { mask: Mask::Named(NamedMask::None), ..*signal }
+}
+
+impl ModelRows {
+    /// The rows whose Coulomb friction is `fc tanh(dq / transition)`.
+    pub(super) fn new(
+        identification: &Identification,
+        problem: &Problem,
+        transition: f64,
+    ) -> Result<Self, PreparationError> {
+        let signal = every_sample(&identification.setup().settings.signal);
+        let recordings: Vec<&FilteredRecording> = identification.main.iter().map(|p| &p.filtered).collect();
+        let decimators = recordings.iter().map(|r| r.decimator(&signal)).collect::<Result<Vec<_>, _>>()?;
+        let rows: Vec<usize> = decimators.iter().map(Decimator::rows).collect();
+        let layout = RowLayout::new(problem.model.coordinate_count(), &rows);
+        let columns = problem.base.columns();
+        let (mut matrices, mut vectors) = (Vec::new(), Vec::new());
+        for (recording, decimator) in recordings.iter().zip(&decimators) {
+            let assembly = Assembly::new(&problem.model, &columns, decimator.clone());
+            matrices.push(recording.observation_matrix_of(&assembly, Sign::Smooth { scale: transition })?);
+            vectors.push(assembly.measurement_vector(&recording.centred_torque())?);
+        }
+        let weights = layout.spread(|block| recordings[block.recording].recording.weight.sqrt());
+        let (x, y) = (layout.stack_matrices(matrices), layout.stack_vectors(vectors));
+        Ok(Self { x, y, layout, decimators, weights })
+    }
+
+    /// The same rows with another velocity of the transition: the columns of bodies stay.
+    pub(super) fn with_transition(
+        &self,
+        identification: &Identification,
+        problem: &Problem,
+        transition: f64,
+    ) -> Result<Self, PreparationError> {
+        let columns = problem.base.columns();
+        let table = problem.model.parameter_table();
+        let changing: Vec<usize> =
+            (0..columns.len()).filter(|&c| !table.get(columns[c]).quantity.is_inertial()).collect();
+        let indices: Vec<usize> = changing.iter().map(|&c| columns[c]).collect();
+        let mut matrices = Vec::new();
+        for (prepared, decimator) in identification.main.iter().zip(&self.decimators) {
+            let assembly = Assembly::new(&problem.model, &indices, decimator.clone());
+            matrices.push(prepared.filtered.observation_matrix_of(&assembly, Sign::Smooth { scale: transition })?);
+        }
+        let found = self.layout.stack_matrices(matrices);
+        let mut rows = self.clone();
+        for (k, &column) in changing.iter().enumerate() {
+            rows.x.column_mut(column).copy_from_slice(found.column(k));
+        }
+        Ok(rows)
+    }
+
+    /// Rows of one joint.
+    pub(super) fn rows_of_joint(&self) -> usize {
+        self.layout.len() / self.layout.joints().max(1)
+    }
+}
