@@ -14,7 +14,7 @@ use serde::{
 
 use super::{error::ExperimentError, paths};
 use crate::preparation::{
-    Case, EstimationOptions, ParameterSelection, Payload, PreparationError, ReferenceCorrection, Settings, Setup,
+    Case, EstimationOptions, ModelOptions, ParameterSelection, Payload, PreparationError, ReferenceCorrection, Settings, Setup,
     SignalOptions, SimulationOptions,
 };
 use thetahat_data::recording::ChannelSource;
@@ -90,6 +90,8 @@ struct Tables {
     #[serde(default)]
     simulation: SimulationOptions,
     #[serde(default)]
+    model: ModelOptions,
+    #[serde(default)]
     case: Vec<Case>,
     #[serde(default)]
     payload: Vec<Payload>,
@@ -102,8 +104,8 @@ impl Tables {
         let locks = Locks { locked: self.locked, until: self.until };
         let (terms, published) = (self.term, self.published);
         let file = ExperimentFile { title, robot, locks, terms, recording, validation, twin, published };
-        let (simulation, cases, payloads) = (self.simulation, self.case, self.payload);
-        (file, Settings { signal, parameters, estimation, controller, simulation, cases, payloads })
+        let (simulation, model, cases, payloads) = (self.simulation, self.model, self.case, self.payload);
+        (file, Settings { signal, parameters, estimation, controller, simulation, model, cases, payloads })
     }
 }
 

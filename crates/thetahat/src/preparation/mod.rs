@@ -53,7 +53,7 @@ pub(crate) use reference::{FoundPeriod, RecordedReference};
 #[doc(hidden)]
 pub use reference_correction::ReferenceCorrection;
 pub use settings::{
-    Case, EstimationOptions, Mask, ParameterChoice, ParameterSelection, SignalOptions, SimulationOptions,
+    Case, EstimationOptions, Mask, ModelOptions, ParameterChoice, ParameterSelection, SignalOptions, SimulationOptions,
 };
 #[doc(hidden)]
 pub use settings::{Gains, NamedChoice, NamedMask, Settings, Start, StatedMask};

@@ -32,6 +32,9 @@ pub struct Settings {
     /// The simulator's options.
     #[serde(default)]
     pub simulation: SimulationOptions,
+    /// What the model does not have to find.
+    #[serde(default)]
+    pub model: ModelOptions,
     /// Cases in addition to the nominal one.
     #[serde(default, rename = "case")]
     pub cases: Vec<Case>,
@@ -59,6 +62,7 @@ impl Settings {
             estimation: EstimationOptions { methods: vec![Method::IDIM_LS], ..EstimationOptions::default() },
             controller: None,
             simulation: SimulationOptions::default(),
+            model: ModelOptions::default(),
             cases: Vec::new(),
             payloads: Vec::new(),
         }
@@ -205,6 +209,16 @@ impl SignalOptions {
             Mask::Named(NamedMask::NearRest) | Mask::Stated(_) => decimator.with_zero_padding(),
         })
     }
+}
+
+/// What the model does not have to find: a stated value is the only candidate.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ModelOptions {
+    /// Weight of the belief in the a-priori robot, in long-run variances of the residual.
+    pub belief_weight: Option<f64>,
+    /// Velocity v of `tanh(dq / v)`, the sign of the Coulomb friction, rad/s or m/s.
+    pub friction_transition: Option<f64>,
 }
 
 /// Which parameters are estimated and shown.

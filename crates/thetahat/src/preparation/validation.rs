@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::{
     error::PreparationError,
     physical::{PriorWeight, validate_known},
-    settings::{Case, Mask, ParameterChoice, ParameterSelection, Settings, StatedMask},
+    settings::{Case, Mask, ModelOptions, ParameterChoice, ParameterSelection, Settings, StatedMask},
 };
 use thetahat_estimation::{
     control::ControllerDescription,
@@ -42,6 +42,7 @@ impl Settings {
             self.validate_own_law(controller)?;
         }
         self.validate_payloads(robot)?;
+        self.validate_model()?;
         self.validate_simulation()
     }
 
@@ -60,6 +61,13 @@ impl Settings {
             }
             None => Ok(()),
         }
+    }
+
+    fn validate_model(&self) -> Checked {
+        let ModelOptions { belief_weight, friction_transition } = self.model;
+        let stated = [("[model] belief_weight", belief_weight), ("[model] friction_transition", friction_transition)];
+        let check = |(key, value): (&str, Option<f64>)| value.map_or(Ok(()), |v| PreparationError::require_positive(key, v));
+        stated.into_iter().try_for_each(check)
     }
 
     fn validate_payloads(&self, robot: &Robot) -> Checked {

@@ -190,6 +190,7 @@ fn settings(file: &DesignFile) -> Settings {
         estimation: file.estimation.clone().unwrap_or_else(default),
         controller: file.controller.clone(),
         simulation: file.simulation,
+        model: Default::default(),
         cases: Vec::new(),
         payloads: file.payload.clone(),
     }

@@ -16,8 +16,6 @@ use thetahat_model::{
 };
 use thetahat_report::results::ModelCandidate;
 
-/// Weights of the belief, in long-run variances of the residual; the first is the default.
-const WEIGHTS: [f64; 7] = [1.0, 1e-3, 1e-2, 0.1, 10.0, 100.0, 1000.0];
 /// Standard errors of the mean difference by which a challenger must be better.
 const STANDARD_ERRORS: f64 = 2.0;
 /// Fewest parts left out with which a challenger can replace the default.
@@ -40,6 +38,7 @@ pub(super) struct Choosing<'a> {
     /// The rows of each transition.
     pub(super) laws: &'a [ModelRows],
     pub(super) transitions: &'a [f64],
+    pub(super) weights: &'a [f64],
     pub(super) folds: &'a ModelFolds,
 }
 
@@ -49,7 +48,7 @@ pub(super) struct Choice {
     pub(super) transition: f64,
     pub(super) weight: f64,
     pub(super) standard: Vec<f64>,
-    /// The whitened rows.
+    /// The rows of unit variance.
     pub(super) data: LeastSquares,
     pub(super) candidates: Vec<ModelCandidate>,
     pub(super) unseen: Option<Unseen>,
@@ -69,29 +68,45 @@ struct Candidate {
 }
 
 const DEFAULT: Candidate = Candidate { law: 0, weight: 0 };
+/// Power of the joints' deviations by which the rows that are fitted are divided: at one the joints weigh alike, at zero newton
+/// metres do. Errors of the model are not noise: weights by the deviation alone let a joint of small torques and a bad
+/// friction law decide on the bodies that it carries (docs/evidence/model.md).
+const POWER: f64 = 0.5;
 
 impl Choosing<'_> {
     pub(super) fn choose(&self, threads: usize) -> Option<Choice> {
-        let deviations = self.deviations()?;
-        let whitened: Vec<Whitened> = self.laws.iter().map(|rows| Whitened::new(rows, self.folds, &deviations)).collect();
+        let found = in_parallel(self.laws.len(), threads, |law| self.deviations(&self.laws[law]));
+        let deviations = found.into_iter().collect::<Option<Vec<_>>>()?;
+        let of_law = |(rows, own): (&ModelRows, &Vec<f64>)| {
+            Whitened::new(rows, self.folds, &deviations[DEFAULT.law], &weighted(own, POWER))
+        };
+        let whitened: Vec<Whitened> = self.laws.iter().zip(&deviations).map(of_law).collect();
         let search = Search { choosing: self, whitened: &whitened, threads, fitted: Mutex::default() };
         let (chosen, candidates) = search.chosen(None);
-        let data = whitened[chosen.law].all(self.base, self.set)?;
-        let standard = fit_within(self.set, &data, prior(chosen.weight), None, GAPS[1]).ok()?.standard;
+        let fitted = whitened[chosen.law].all(self.base, self.set)?;
+        let standard = fit_within(self.set, &fitted, self.prior(chosen), None, GAPS[1]).ok()?.standard;
         Some(Choice {
             law: chosen.law,
             transition: self.transitions[chosen.law],
-            weight: WEIGHTS[chosen.weight],
+            weight: self.weights[chosen.weight],
             standard,
-            data,
+            data: self.of_unit_variance(chosen.law, &deviations[chosen.law])?,
             candidates,
             unseen: search.unseen(),
         })
     }
 
-    /// The long-run deviation of each joint's residual, with the default transition and next to free estimates.
-    fn deviations(&self) -> Option<Vec<f64>> {
-        let rows = &self.laws[DEFAULT.law];
+    fn prior(&self, candidate: Candidate) -> Prior {
+        Prior::Belief { weight: self.weights[candidate.weight] }
+    }
+
+    /// The rows of a law, each joint divided by its deviation.
+    fn of_unit_variance(&self, law: usize, deviations: &[f64]) -> Option<LeastSquares> {
+        Whitened::new(&self.laws[law], self.folds, deviations, deviations).all(self.base, self.set)
+    }
+
+    /// The long-run deviation of each joint's residual, next to free estimates.
+    fn deviations(&self, rows: &ModelRows) -> Option<Vec<f64>> {
         let torque: Vec<f64> = rows.layout.by_joint(&rows.y).iter().map(|y| rms(y)).collect();
         let largest = torque.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let least: Vec<f64> = torque.iter().map(|t| LEAST_DEVIATION * t.max(LEAST_DEVIATION * largest)).collect();
@@ -99,7 +114,7 @@ impl Choosing<'_> {
             torque.iter().zip(&least).map(|(t, least)| (FIRST_DEVIATION * t).max(*least)).collect();
         let mut start: Option<Vec<f64>> = None;
         for round in 0..ROUNDS {
-            let whitened = Whitened::new(rows, self.folds, &deviations);
+            let whitened = Whitened::new(rows, self.folds, &deviations, &deviations);
             let data = whitened.all(self.base, self.set)?;
             let prior = Prior::Belief { weight: NEXT_TO_FREE };
             let fit = fit_within(self.set, &data, prior, start.as_deref(), GAPS[0]).ok()?;
@@ -114,8 +129,10 @@ impl Choosing<'_> {
     }
 }
 
-fn prior(weight: usize) -> Prior {
-    Prior::Belief { weight: WEIGHTS[weight] }
+/// Deviations of all joints that lie between their own and the one that they have in common.
+fn weighted(deviations: &[f64], power: f64) -> Vec<f64> {
+    let common = rms(deviations);
+    deviations.iter().map(|own| own.powf(power) * common.powf(1.0 - power)).collect()
 }
 
 fn rms(values: &[f64]) -> f64 {
@@ -142,6 +159,8 @@ fn long_run_deviation(residual: &[f64]) -> f64 {
 struct Whitened {
     x: Matrix,
     y: Vec<f64>,
+    /// Deviation by which each row is divided, over the one in which errors are compared.
+    part: Vec<f64>,
     /// The factor of `[X y]` of each part; the last is that of the rows near borders.
     factors: Vec<Matrix>,
     /// The part of each row.
@@ -149,7 +168,8 @@ struct Whitened {
 }
 
 impl Whitened {
-    fn new(rows: &ModelRows, folds: &ModelFolds, deviations: &[f64]) -> Self {
+    fn new(rows: &ModelRows, folds: &ModelFolds, compared: &[f64], deviations: &[f64]) -> Self {
+        let part = rows.layout.spread(|block| deviations[block.joint] / compared[block.joint]);
         let scale: Vec<f64> = rows.layout.spread(|block| 1.0 / deviations[block.joint]);
         let scale: Vec<f64> = scale.iter().zip(&rows.weights).map(|(s, w)| s * w).collect();
         let x = rows.x.scale_rows(&scale);
@@ -162,7 +182,7 @@ impl Whitened {
             let keep: Vec<bool> = of_row.iter().map(|p| *p == part).collect();
             both.select_rows(&keep).triangular_factor()
         };
-        Self { factors: (0..=FOLDS).map(factor).collect(), x, y, of_row }
+        Self { factors: (0..=FOLDS).map(factor).collect(), x, y, part, of_row }
     }
 
     /// The least squares of all rows.
@@ -209,10 +229,10 @@ impl Search<'_> {
 
     /// The candidate that is chosen without a part, with all that were compared.
     fn chosen(&self, kept_out: Option<usize>) -> (Candidate, Vec<ModelCandidate>) {
-        let laws: Vec<Candidate> = (0..self.choosing.laws.len()).map(|law| Candidate { law, weight: 0 }).collect();
+        let laws: Vec<Candidate> = (0..self.choosing.laws.len()).map(|law| Candidate { law, ..DEFAULT }).collect();
         let (best, mut compared) = self.best_of(&laws, kept_out);
         let weights: Vec<Candidate> =
-            (0..WEIGHTS.len()).map(|weight| Candidate { weight, law: best.law }).collect();
+            (0..self.choosing.weights.len()).map(|weight| Candidate { weight, ..best }).collect();
         let (best, further) = self.best_of(&weights, kept_out);
         compared.extend(further.into_iter().skip(1));
         (best, compared)
@@ -239,7 +259,7 @@ impl Search<'_> {
                 best = k;
             }
             compared.push(ModelCandidate {
-                belief_weight: WEIGHTS[candidates[k].weight],
+                belief_weight: self.choosing.weights[candidates[k].weight],
                 friction_transition: self.choosing.transitions[candidates[k].law],
                 unseen_square: mean(found),
                 difference,
@@ -248,7 +268,7 @@ impl Search<'_> {
         }
         let taken = candidates[best];
         for candidate in &mut compared {
-            candidate.taken = candidate.belief_weight == WEIGHTS[taken.weight]
+            candidate.taken = candidate.belief_weight == self.choosing.weights[taken.weight]
                 && candidate.friction_transition == self.choosing.transitions[taken.law];
         }
         (taken, compared)
@@ -269,7 +289,7 @@ impl Search<'_> {
     fn fit(&self, (candidate, out): &Fitted) -> Option<Vec<f64>> {
         let Choosing { set, base, .. } = self.choosing;
         let data = self.whitened[candidate.law].without(out, base, set)?;
-        let fit = fit_within(set, &data, prior(candidate.weight), None, GAPS[0]).ok()?;
+        let fit = fit_within(set, &data, self.choosing.prior(*candidate), None, GAPS[0]).ok()?;
         Some(base.from_standard(&fit.standard))
     }
 
@@ -283,7 +303,7 @@ impl Search<'_> {
         let of_part = |part: &usize| {
             let theta = self.estimate(candidate, left_out(*part, kept_out))?;
             let prediction = rows.x.times(&theta);
-            let errors: Vec<f64> = rows.rows_of(*part).map(|k| rows.y[k] - prediction[k]).collect();
+            let errors: Vec<f64> = rows.rows_of(*part).map(|k| rows.part[k] * (rows.y[k] - prediction[k])).collect();
             Some(dot(&errors, &errors) / errors.len().max(1) as f64)
         };
         let squares: Option<Vec<f64>> = parts.iter().map(of_part).collect();

@@ -27,9 +27,12 @@ use thetahat_model::{
 use thetahat_report::results::{ModelParameter, ModelResult, ModelStandardParameter, NOMINAL, RunResult};
 
 /// Velocities at which the sign of Coulomb friction is `tanh(1)`, rad/s; the first is the default.
-const TRANSITIONS: [f64; 4] = [0.01, 0.003, 0.03, 0.1];
-/// The same of a robot whose joints all slide, m/s: of a motor on a screw or pinion of 0.1 m/rad.
-const SLIDING: f64 = 0.1;
+const TRANSITIONS: [f64; 5] = [0.03, 0.001, 0.003, 0.01, 0.1];
+/// Radians of a motor for each metre of a robot whose joints all slide: a pinion of 0.1 m.
+const SLIDING: f64 = 10.0;
+
+/// Weights of the belief, in long-run variances of the residual; the first is the default.
+const WEIGHTS: [f64; 7] = [1.0, 1e-3, 1e-2, 0.1, 10.0, 100.0, 1000.0];
 
 impl Identification {
     /// The model of the nominal case, or why there is none.
@@ -59,7 +62,15 @@ impl Identification {
         let others = transitions[1..].iter().map(|v| rows.with_transition(self, problem, *v));
         let laws: Vec<ModelRows> =
             std::iter::once(Ok(rows.clone())).chain(others).collect::<Result<_, PreparationError>>()?;
-        let choosing = Choosing { set: &set, base: &problem.base, laws: &laws, transitions: &transitions, folds: &folds };
+        let weights = self.setup().settings.model.belief_weight.map_or_else(|| WEIGHTS.to_vec(), |stated| vec![stated]);
+        let choosing = Choosing {
+            set: &set,
+            base: &problem.base,
+            laws: &laws,
+            transitions: &transitions,
+            weights: &weights,
+            folds: &folds,
+        };
         let Some(choice) = choosing.choose(self.threads) else {
             return Ok(Err("the rows determine no physically consistent robot".to_owned()));
         };
@@ -68,9 +79,12 @@ impl Identification {
         Ok(Ok(model))
     }
 
-    fn transitions(&self) -> [f64; 4] {
+    fn transitions(&self) -> Vec<f64> {
+        if let Some(stated) = self.setup().settings.model.friction_transition {
+            return vec![stated];
+        }
         let slides = self.setup().robot.coordinates().all(|joint| joint.kind == JointKind::Prismatic);
-        TRANSITIONS.map(|v| if slides { SLIDING * v } else { v })
+        TRANSITIONS.map(|v| if slides { v / SLIDING } else { v }).to_vec()
     }
 
     fn model_result(
