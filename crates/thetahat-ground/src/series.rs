@@ -187,6 +187,13 @@ impl Series {
         self.values.iter().skip(c).step_by(self.channels).copied().collect()
     }
 
+    /// The mean of each channel; zeros without samples.
+    #[must_use]
+    pub fn means(&self) -> Vec<f64> {
+        let count = self.len().max(1) as f64;
+        (0..self.channels).map(|c| self.values.iter().skip(c).step_by(self.channels).sum::<f64>() / count).collect()
+    }
+
     /// A copy of the samples in `range`.
     #[must_use]
     pub fn window(&self, range: Range<usize>) -> Self {

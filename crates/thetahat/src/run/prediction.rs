@@ -1,17 +1,20 @@
 //! The torques that identified parameters predict for another motion.
 
-use std::sync::Arc;
+use std::{f64::consts::TAU, sync::Arc};
 
 use crate::preparation::{
-    Basis, Case, FilteredRecording, Mask, NamedMask, PreparationError, Recording, Setup, SignalOptions,
+    Basis, Case, FilteredRecording, Mask, NamedMask, PreparationError, Recording, Settings, Setup, SignalOptions,
 };
 use thetahat_estimation::{
     identification::{Assembly, RowMask},
     regression::{Regression, RowLayout, relative_error_percent},
-    signal::Motion,
+    signal::{Motion, noise_densities},
 };
 use thetahat_ground::{linear_algebra::Matrix, series::Series};
-use thetahat_model::{dynamics::Sign, regressor::Regressor};
+use thetahat_model::{
+    dynamics::{DynamicParameters, Model, Sign, Workspace},
+    regressor::Regressor,
+};
 use thetahat_report::results::{EstimateSource, ModelResult, Prediction, Verdict, VerdictReason};
 
 /// Base parameters of a case by name, the method that gave them, and the verdict on them.
@@ -45,8 +48,9 @@ pub(crate) fn predict_torques(
     let has_torque = recording.torque.is_some();
     let filtered = setup.filter(recording)?;
     let sign = identified.model.map_or(Sign::Exact, |model| Sign::Smooth { scale: model.friction_transition });
+    let cutoff_hz = identified.model.map_or(setup.settings.signal.cutoff_hz, |m| widest_cutoff(setup, m, &filtered));
     let predictor = Predictor { setup, basis, columns, theta, sign };
-    let torque = with_known(predictor.torques(&filtered)?, &filtered);
+    let torque = with_known(predictor.torques(&filtered, cutoff_hz)?, &filtered);
     let mask = filtered.mask(&predictor.basis.model, &predictor.columns);
     let near_rest = mask.as_ref().map_or_else(|| vec![0.0; filtered.recording.position.channels()], |m| m.left_out());
     let signal = &setup.settings.signal;
@@ -95,6 +99,51 @@ fn joint_errors(has_torque: bool, rows: &Regression, prediction: &[f64]) -> Vec<
     if has_torque { rows.joint_relative_errors_percent(prediction) } else { Vec::new() }
 }
 
+/// Cut-offs that a prediction tries, over that of the identification, the widest first.
+const WIDER: [f64; 3] = [8.0, 4.0, 2.0];
+/// Part of the sample rate below which cut-offs are tried.
+const BELOW_NYQUIST: f64 = 0.4;
+/// Part of the model's error on unseen motion that the noise of the accelerations may add.
+const NOISE_PART: f64 = 0.3;
+
+/// The widest cut-off with which noise of the positions adds next to nothing to predicted torques: an identification needs
+/// accelerations without noise, a prediction the reversals of the motion as well.
+///
+/// White noise of density S above the cut-off f_c is acceleration of variance `(2 pi)^4 S f_c^5 / 5`, and torque by the
+/// inertia of the joint.
+fn widest_cutoff(setup: Setup<'_>, model: &ModelResult, filtered: &FilteredRecording) -> f64 {
+    let (recording, own) = (&filtered.recording, setup.settings.signal.cutoff_hz);
+    let rate = recording.sample_rate_hz;
+    let errors = model.unseen.as_ref().unwrap_or(&model.fit);
+    let inertias = joint_inertias(setup, model, filtered);
+    let is_quiet = |cutoff_hz: &f64| {
+        let settings = with_cutoff(setup.settings, *cutoff_hz);
+        let Ok(motion) = (Setup { settings: &settings, ..setup }).band_pass(&recording.position, rate) else { return false };
+        let densities = noise_densities(&recording.position, &motion.q, &filtered.window, rate, *cutoff_hz);
+        let acceleration = |density: &f64| (TAU.powi(4) * density * cutoff_hz.powi(5) / 5.0).sqrt();
+        let torques = densities.iter().map(acceleration).zip(&inertias).map(|(a, inertia)| a * inertia);
+        torques.zip(&errors.joints).all(|(noise, error)| noise <= NOISE_PART * error.rms)
+    };
+    let tried = WIDER.map(|factor| (factor * own).min(BELOW_NYQUIST * rate)).into_iter().filter(|hz| *hz > own);
+    tried.into_iter().find(is_quiet).unwrap_or(own)
+}
+
+fn with_cutoff(settings: &Settings, cutoff_hz: f64) -> Settings {
+    Settings { signal: SignalOptions { cutoff_hz, ..settings.signal }, ..settings.clone() }
+}
+
+/// The diagonal of the model's mass matrix at the mean position.
+fn joint_inertias(setup: Setup<'_>, model: &ModelResult, filtered: &FilteredRecording) -> Vec<f64> {
+    let dynamics = Model::new(setup.robot);
+    let count = dynamics.coordinate_count();
+    let standard: Vec<f64> =
+        dynamics.parameter_table().iter().map(|p| model.standard_value(&p.name()).unwrap_or(0.0)).collect();
+    let Ok(parameters) = DynamicParameters::new(&dynamics, &standard) else { return vec![f64::INFINITY; count] };
+    let mut mass = vec![0.0; count * count];
+    dynamics.mass_matrix(&parameters, &filtered.motion.q.means(), &mut Workspace::new(&dynamics), &mut mass);
+    (0..count).map(|j| mass[j * count + j]).collect()
+}
+
 /// The torques of what is estimated with those of what is known: a payload, and parameters at a value.
 fn with_known(mut torque: Series, filtered: &FilteredRecording) -> Series {
     for known in filtered.payload_torque.iter().chain(&filtered.fixed_torque) {
@@ -130,10 +179,12 @@ impl Predictor<'_> {
         Ok((Regression::new(x, y, layout), prediction))
     }
 
-    /// `phi(q, dq, ddq) theta` at every sample of the whole recording.
-    fn torques(&self, filtered: &FilteredRecording) -> Result<Series, PreparationError> {
+    /// `phi(q, dq, ddq) theta` at every sample of the whole recording, of its motion below a cut-off.
+    fn torques(&self, filtered: &FilteredRecording, cutoff_hz: f64) -> Result<Series, PreparationError> {
         let recording = &filtered.recording;
-        let Motion { q, dq, ddq } = self.setup.band_pass(&recording.position, recording.sample_rate_hz)?;
+        let settings = with_cutoff(self.setup.settings, cutoff_hz);
+        let setup = Setup { settings: &settings, ..self.setup };
+        let Motion { q, dq, ddq } = setup.band_pass(&recording.position, recording.sample_rate_hz)?;
         let regressor = Regressor::new(&self.basis.model, &self.columns).with_channels(filtered.channels.clone());
         Ok(regressor.torques(&self.basis.model, [&q, &dq, &ddq], self.sign, &self.theta))
     }

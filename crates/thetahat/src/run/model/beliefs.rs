@@ -138,7 +138,5 @@ fn motor_inertias(identification: &Identification, set: &ConsistentSet) -> Vec<f
 }
 
 fn mean_position(identification: &Identification) -> Vec<f64> {
-    let Some(first) = identification.main.first() else { return Vec::new() };
-    let q = &first.filtered.motion.q;
-    (0..q.channels()).map(|j| (0..q.len()).map(|k| q.sample(k)[j]).sum::<f64>() / q.len().max(1) as f64).collect()
+    identification.main.first().map(|p| p.filtered.motion.q.means()).unwrap_or_default()
 }
