@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{parameters::ParameterResult, physical::PhysicalResult, run::RunResult};
+use super::{diagnosis::MovedParameter, parameters::ParameterResult, physical::PhysicalResult, run::RunResult};
 use thetahat_estimation::identification::{Method, Status};
 
 /// Percent of a base parameter that the recordings must have decided for it to be quoted by itself.
@@ -28,6 +28,9 @@ pub struct ModelResult {
     pub fit: ModelError,
     /// Error on parts of the recordings that neither fit nor choice has seen; `null` where none can be left out.
     pub unseen: Option<ModelError>,
+    /// What the model or the recordings are wrong in, as far as the residual shows it; the strongest first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub causes: Vec<ModelCause>,
     /// All base parameters.
     pub parameters: Vec<ModelParameter>,
     /// Covariance of the base parameters, by recordings and belief: the lower triangle row by row, SI.
@@ -167,4 +170,106 @@ impl ModelResult {
     pub fn standard_value(&self, name: &str) -> Option<f64> {
         self.standard.iter().find(|p| p.name == name).map(|p| p.value)
     }
+}
+
+/// Something that the model is wrong in, or that the recordings are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CauseKind {
+    /// The torques are recorded late, or early if the delay is negative.
+    LateTorque,
+    /// The positions of a joint are turned or moved.
+    EncoderZero,
+    /// The positions of a joint are too large by a ratio, and its torques too small.
+    GearRatio,
+    /// A joint yields between its encoder and its link.
+    Elasticity,
+    /// A joint is not where the description has it.
+    Length,
+    /// A motor turns with two joints.
+    Coupling,
+    /// Coulomb friction grows with the load.
+    LoadFriction,
+    /// Friction has another law over the speed.
+    SpeedFriction,
+    /// Friction changes with time.
+    FrictionDrift,
+    /// The last link is another body from some instant on.
+    Payload,
+}
+
+impl CauseKind {
+    /// All kinds.
+    pub const ALL: [Self; 10] = [
+        Self::LateTorque,
+        Self::EncoderZero,
+        Self::GearRatio,
+        Self::Elasticity,
+        Self::Length,
+        Self::Coupling,
+        Self::LoadFriction,
+        Self::SpeedFriction,
+        Self::FrictionDrift,
+        Self::Payload,
+    ];
+
+    /// What it is, in words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::LateTorque => "torques that are late",
+            Self::EncoderZero => "a wrong encoder zero",
+            Self::GearRatio => "a wrong gear ratio",
+            Self::Elasticity => "an elastic joint",
+            Self::Length => "a wrong length",
+            Self::Coupling => "a coupling of motors",
+            Self::LoadFriction => "friction that depends on the load",
+            Self::SpeedFriction => "friction with another law over the speed",
+            Self::FrictionDrift => "friction that changes with time",
+            Self::Payload => "a payload that is picked up or put down",
+        }
+    }
+
+    /// The same with the joint, link or instant.
+    #[must_use]
+    pub fn with_subject(self, subject: &str) -> String {
+        match self {
+            _ if subject.is_empty() => self.words().to_owned(),
+            Self::Payload => format!("{} {subject}", self.words()),
+            Self::LateTorque
+            | Self::EncoderZero
+            | Self::GearRatio
+            | Self::Elasticity
+            | Self::Length
+            | Self::Coupling
+            | Self::LoadFriction
+            | Self::SpeedFriction
+            | Self::FrictionDrift => format!("{} of {subject}", self.words()),
+        }
+    }
+}
+
+/// A cause that the residual shows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModelCause {
+    /// What it is.
+    pub kind: CauseKind,
+    /// Joint, link or instant; empty where it concerns all.
+    pub subject: String,
+    /// log10 of the probability of so much evidence by chance.
+    pub log10_probability: f64,
+    /// Its size, of a cause that is one number.
+    pub size: Option<f64>,
+    /// Standard deviation of the size.
+    pub standard_deviation: Option<f64>,
+    /// Unit of the size; empty for a ratio.
+    pub unit: String,
+    /// What it explains, percent of the torques where the joints weigh alike.
+    pub error_percent: f64,
+    /// Other causes that explain the same: the recordings do not separate them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rivals: Vec<String>,
+    /// Base parameters that it moves by more than their standard deviation, the furthest first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub moved: Vec<MovedParameter>,
 }

@@ -48,6 +48,8 @@ pub(super) struct Choice {
     pub(super) transition: f64,
     pub(super) weight: f64,
     pub(super) standard: Vec<f64>,
+    /// The long-run deviation of each joint's residual.
+    pub(super) deviations: Vec<f64>,
     /// The rows of unit variance.
     pub(super) data: LeastSquares,
     pub(super) candidates: Vec<ModelCandidate>,
@@ -90,6 +92,7 @@ impl Choosing<'_> {
             transition: self.transitions[chosen.law],
             weight: self.weights[chosen.weight],
             standard,
+            deviations: deviations[chosen.law].clone(),
             data: self.of_unit_variance(chosen.law, &deviations[chosen.law])?,
             candidates,
             unseen: search.unseen(),

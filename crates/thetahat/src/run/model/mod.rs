@@ -6,6 +6,7 @@
 //! than chance.
 
 mod beliefs;
+mod causes;
 mod choice;
 mod errors;
 mod folds;
@@ -109,6 +110,7 @@ impl Identification {
             candidates: choice.candidates.clone(),
             fit: errors(rows, &rows.x.times(&theta), None, &speeds),
             unseen: choice.unseen.as_ref().map(|unseen| errors(rows, &unseen.prediction, Some(&unseen.seen), &speeds)),
+            causes: causes::causes(self, problem, rows, (&choice.standard, &choice.deviations, choice.transition)),
             parameters: self.model_parameters(problem, set, &theta, knowledge.as_ref(), runs),
             covariance: knowledge.map(|k| lower_triangle(&k.covariance)).unwrap_or_default(),
             standard: standard_parameters(set, &choice.standard),

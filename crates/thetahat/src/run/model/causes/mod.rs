@@ -1,0 +1,116 @@
+//! What the model can be wrong in, tested together.
+//!
+//! The column of a cause is the derivative of the predicted torque by it. What the regressor explains is projected out; the sum
+//! of squares that the rest explains, of rows whitened by the long-run deviations of the residual, is chi-squared where
+//! there is no such cause. The strongest cause is put in, and the others are tested again.
+
+mod residual;
+mod torques;
+
+use super::rows::ModelRows;
+use crate::{preparation::Problem, run::identification::Identification};
+use residual::{Found, Residual};
+use thetahat_ground::pool::in_parallel;
+use thetahat_model::dynamics::Sign;
+use thetahat_report::results::{CauseKind, ModelCause, MovedParameter};
+use torques::Torques;
+
+/// log10 of the probability below which a cause is named: some 40 causes are tested.
+const NAMED: f64 = -5.0;
+/// log10 of the probability above which a cause no longer shows once another is put in.
+const GONE: f64 = -3.0;
+/// Part of the strongest cause's evidence from which another counts as its rival.
+const RIVAL: f64 = 0.6;
+/// Causes that are put in at most.
+const MOST: usize = 4;
+/// Largest angle, length or change of a ratio that is named, rad, m or 1.
+const LARGEST: f64 = 0.3;
+/// Instants at which a payload may have been picked up.
+const INSTANTS: usize = 15;
+/// Deviations of a parameter's shift from which a cause has moved it.
+const MOVED: f64 = 1.0;
+
+/// A cause with its columns, in the rows of the model.
+pub(super) struct Cause {
+    pub(super) kind: CauseKind,
+    pub(super) subject: String,
+    pub(super) unit: &'static str,
+    pub(super) columns: Vec<Vec<f64>>,
+}
+
+/// The causes that the rows show, the strongest first.
+pub(super) fn causes(
+    identification: &Identification,
+    problem: &Problem,
+    rows: &ModelRows,
+    (standard, deviations, transition): (&[f64], &[f64], f64),
+) -> Vec<ModelCause> {
+    let sign = Sign::Smooth { scale: transition };
+    let Some(torques) = Torques::new(identification, problem, rows, standard, sign) else { return Vec::new() };
+    let Some(mut residual) = Residual::new(rows, deviations, torques.causes(identification.threads)) else {
+        return Vec::new();
+    };
+    let count = residual.candidates.len();
+    let mut named: Vec<ModelCause> = Vec::new();
+    let mut put_in: Vec<usize> = Vec::new();
+    while named.len() < MOST {
+        let test = |k: usize| {
+            let found = if put_in.contains(&k) { None } else { residual.test(k) };
+            found.filter(|f| residual.candidates[k].cause.is_plausible(f))
+        };
+        let found: Vec<Option<Found>> = in_parallel(count, identification.threads, test);
+        let evidence = |k: usize| found[k].as_ref().map(|f| f.log10_p);
+        let shown = (0..count).filter_map(|k| Some((k, evidence(k)?))).filter(|(_, log10_p)| *log10_p < NAMED);
+        let Some((best, log10_p)) = shown.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+        let is_rival = |k: &usize| *k != best && evidence(*k).is_some_and(|p| p < NAMED && p < RIVAL * log10_p);
+        let rivals: Vec<usize> = (0..count).filter(is_rival).collect();
+        let Some(strongest) = &found[best] else { break };
+        let moved = moved(&residual, problem, best, strongest);
+        residual.put_in(best);
+        put_in.push(best);
+        let is_gone = |k: &&usize| residual.test(**k).is_none_or(|f| f.log10_p > GONE);
+        let cause = |k: usize| &residual.candidates[k].cause;
+        let name = |k: &usize| cause(*k).kind.with_subject(&cause(*k).subject);
+        named.push(ModelCause {
+            kind: cause(best).kind,
+            subject: cause(best).subject.clone(),
+            log10_probability: log10_p,
+            size: strongest.size.map(|s| s[0]),
+            standard_deviation: strongest.size.map(|s| s[1]),
+            unit: cause(best).unit.to_owned(),
+            error_percent: strongest.error_percent,
+            rivals: rivals.iter().filter(is_gone).map(name).collect(),
+            moved,
+        });
+    }
+    named
+}
+
+impl Cause {
+    /// Whether its size is one for which a derivative says anything.
+    fn is_plausible(&self, found: &Found) -> bool {
+        let Some([size, _]) = found.size else { return true };
+        match self.kind {
+            CauseKind::EncoderZero | CauseKind::GearRatio | CauseKind::Length => size.abs() < LARGEST,
+            CauseKind::Elasticity => size > 0.0,
+            CauseKind::LateTorque
+            | CauseKind::Coupling
+            | CauseKind::LoadFriction
+            | CauseKind::SpeedFriction
+            | CauseKind::FrictionDrift
+            | CauseKind::Payload => true,
+        }
+    }
+}
+
+/// The base parameters that a cause moved, in their deviations.
+fn moved(residual: &Residual, problem: &Problem, candidate: usize, found: &Found) -> Vec<MovedParameter> {
+    let shifts = residual.shifts(candidate, found);
+    let parameters = problem.base.parameters().iter().zip(shifts);
+    let mut moved: Vec<MovedParameter> = parameters
+        .filter(|(_, deviations)| deviations.abs() > MOVED)
+        .map(|(p, deviations)| MovedParameter { parameter: p.name.clone(), deviations })
+        .collect();
+    moved.sort_by(|a, b| b.deviations.abs().total_cmp(&a.deviations.abs()));
+    moved
+}

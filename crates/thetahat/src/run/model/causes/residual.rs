@@ -1,0 +1,129 @@
+//! The whitened residual of free estimates, and what further columns explain of it.
+
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use super::Cause;
+use crate::run::model::rows::ModelRows;
+use thetahat_ground::linear_algebra::{Matrix, PivotedQr, dot, norm};
+
+/// Pivots below this part of the largest are of columns that the motion does not separate.
+const RANK: f64 = 1e-7;
+/// Part of a column outside what the regressor explains, below which no motion shows it.
+const SEEN: f64 = 1e-6;
+/// The same between the columns of one cause.
+const OWN_RANK: f64 = 1e-3;
+/// The least probability that is told from zero.
+const LEAST: f64 = 1e-300;
+
+pub(super) struct Residual {
+    factor: PivotedQr,
+    rank: usize,
+    rest: Vec<f64>,
+    /// Norm of the whitened torques.
+    torque: f64,
+    pub(super) candidates: Vec<Candidate>,
+}
+
+/// A cause with its whitened columns, and what of them is outside of what is explained.
+pub(super) struct Candidate {
+    pub(super) cause: Cause,
+    whitened: Matrix,
+    sizes: Vec<f64>,
+    columns: Matrix,
+}
+
+/// What a cause explains.
+pub(super) struct Found {
+    pub(super) log10_p: f64,
+    /// Estimate and deviation, of a cause with one column.
+    pub(super) size: Option<[f64; 2]>,
+    /// Coefficients of its columns.
+    pub(super) coefficients: Vec<f64>,
+    /// What it explains, percent of the whitened torques.
+    pub(super) error_percent: f64,
+}
+
+impl Residual {
+    pub(super) fn new(rows: &ModelRows, deviations: &[f64], causes: Vec<Cause>) -> Option<Self> {
+        let scale: Vec<f64> = rows.layout.spread(|block| 1.0 / deviations[block.joint]);
+        let x = rows.x.scale_rows(&scale);
+        let factor = PivotedQr::with_equal_columns(&x);
+        let rank = factor.rank(RANK);
+        let explained = leading(&factor, rank);
+        let y: Vec<f64> = rows.y.iter().zip(&scale).map(|(y, s)| y * s).collect();
+        let torque = norm(&y);
+        let rest = outside(&explained, &y);
+        let candidates = causes
+            .into_iter()
+            .map(|cause| {
+                let whitened = Matrix::from_columns(y.len(), cause.columns.concat()).scale_rows(&scale);
+                let sizes = (0..whitened.columns()).map(|c| norm(whitened.column(c))).collect();
+                Candidate { columns: outside_all(&explained, &whitened), whitened, sizes, cause }
+            })
+            .collect();
+        (torque > 0.0).then_some(Self { factor, rank, rest, torque, candidates })
+    }
+
+    /// What a cause explains of the residual; none if no motion of the recordings shows it.
+    pub(super) fn test(&self, candidate: usize) -> Option<Found> {
+        let Candidate { cause, sizes, columns, .. } = &self.candidates[candidate];
+        let seen: Vec<usize> =
+            (0..columns.columns()).filter(|&c| norm(columns.column(c)) > SEEN * sizes[c]).collect();
+        if seen.is_empty() || self.rest.len() <= seen.len() {
+            return None;
+        }
+        let columns = columns.select_columns(&seen);
+        let factor = PivotedQr::with_equal_columns(&columns);
+        let rank = factor.rank(OWN_RANK).max(1);
+        let basis = leading(&factor, rank);
+        let along = basis.transpose_times(&self.rest);
+        let statistic = dot(&along, &along);
+        let log10_p = ChiSquared::new(rank as f64).ok()?.sf(statistic).max(LEAST).log10();
+        let is_full = rank == cause.columns.len();
+        let coefficients = if is_full { factor.solve(&self.rest) } else { Vec::new() };
+        let size = match cause.columns.len() {
+            1 => coefficients.first().map(|size| [*size, 1.0 / norm(columns.column(0))]),
+            _ => None,
+        };
+        let error_percent = 100.0 * statistic.sqrt() / self.torque;
+        statistic.is_finite().then_some(Found { log10_p, size, coefficients, error_percent })
+    }
+
+    /// What a cause explains is explained from now on.
+    pub(super) fn put_in(&mut self, candidate: usize) {
+        let factor = PivotedQr::with_equal_columns(&self.candidates[candidate].columns);
+        let basis = leading(&factor, factor.rank(OWN_RANK).max(1));
+        self.rest = outside(&basis, &self.rest);
+        for candidate in &mut self.candidates {
+            candidate.columns = outside_all(&basis, &candidate.columns);
+        }
+    }
+
+    /// How far a cause moved each base parameter, in its deviations: `(X^T X)^-1 X^T c` times the cause's size. Zero where the
+    /// motion does not separate the parameters.
+    pub(super) fn shifts(&self, candidate: usize, found: &Found) -> Vec<f64> {
+        let whitened = &self.candidates[candidate].whitened;
+        let parameters = self.factor.pivots().len();
+        if self.rank < parameters || found.coefficients.len() != whitened.columns() {
+            return vec![0.0; parameters];
+        }
+        let shift = self.factor.solve(&whitened.times(&found.coefficients));
+        let covariance = self.factor.inverse_gram();
+        (0..parameters).map(|i| shift[i] / covariance.at(i, i).max(f64::MIN_POSITIVE).sqrt()).collect()
+    }
+}
+
+/// The first orthonormal columns of a factorisation.
+fn leading(factor: &PivotedQr, rank: usize) -> Matrix {
+    factor.thin_q().select_columns(&(0..rank).collect::<Vec<_>>())
+}
+
+/// The part of a vector that is not along orthonormal columns.
+fn outside(basis: &Matrix, rows: &[f64]) -> Vec<f64> {
+    let inside = basis.times(&basis.transpose_times(rows));
+    rows.iter().zip(inside).map(|(r, i)| r - i).collect()
+}
+
+fn outside_all(basis: &Matrix, columns: &Matrix) -> Matrix {
+    columns.plus(&basis.times_matrix(&basis.transposed_times(columns)), -1.0)
+}

@@ -1,0 +1,358 @@
+//! The derivatives of the predicted torque by what can be wrong.
+
+use super::{Cause, INSTANTS};
+use crate::{
+    preparation::{FilteredRecording, Problem},
+    run::{identification::Identification, model::rows::ModelRows},
+};
+use thetahat_estimation::{identification::Assembly, signal::Motion};
+use thetahat_ground::{pool::in_parallel, series::Series};
+use thetahat_model::{
+    dynamics::{DynamicParameters, Model, Sign, State, Workspace},
+    robot::{INERTIAL, JointKind, Quantity, Robot},
+};
+use thetahat_report::results::CauseKind;
+
+/// Step of the differences: of a ratio, rad or m.
+const STEP: f64 = 1e-3;
+/// Velocities of the laws of friction over speed, over the peak velocity of the joint.
+const SPEEDS: [f64; 2] = [0.05, 0.2];
+/// Compliance of the difference for elastic joints, rad per N m.
+const COMPLIANCE: f64 = 1e-6;
+
+/// What is tried.
+#[derive(Debug, Clone, Copy)]
+enum Tried {
+    LateTorque,
+    LoadFriction,
+    SpeedFriction,
+    FrictionDrift,
+    Zero(usize),
+    Gear(usize),
+    Elastic(usize),
+    Length(usize, usize),
+    Coupling(usize),
+}
+
+pub(super) struct Torques<'a> {
+    identification: &'a Identification,
+    problem: &'a Problem,
+    rows: &'a ModelRows,
+    standard: &'a [f64],
+    sign: Sign,
+    robot: Robot,
+    /// Of each recording, with the model as it is.
+    predicted: Vec<Series>,
+}
+
+impl<'a> Torques<'a> {
+    pub(super) fn new(
+        identification: &'a Identification,
+        problem: &'a Problem,
+        rows: &'a ModelRows,
+        standard: &'a [f64],
+        sign: Sign,
+    ) -> Option<Self> {
+        let robot = identification.setup().robot.clone();
+        let mut torques = Self { identification, problem, rows, standard, sign, robot, predicted: Vec::new() };
+        let predicted = |r: &FilteredRecording| torques.of(&torques.problem.model, standard, &r.motion, r);
+        torques.predicted = torques.recordings().map(predicted).collect::<Option<Vec<_>>>()?;
+        Some(torques)
+    }
+
+    fn recordings(&self) -> impl Iterator<Item = &'a FilteredRecording> {
+        self.identification.main.iter().map(|p| &p.filtered)
+    }
+
+    fn joints(&self) -> usize {
+        self.problem.model.coordinate_count()
+    }
+
+    /// The torques of a motion; none for parameters that the model does not have.
+    fn of(&self, model: &Model, standard: &[f64], motion: &Motion, recording: &FilteredRecording) -> Option<Series> {
+        let parameters = DynamicParameters::new(model, standard).ok()?;
+        let mut workspace = Workspace::new(model);
+        let mut torque = Series::zeros(motion.q.len(), motion.q.channels());
+        let channels = recording.channels_in_window();
+        for k in 0..torque.len() {
+            let mut state = State::new(motion.q.sample(k), motion.dq.sample(k));
+            if let Some(channels) = &channels {
+                state = state.with_channels(channels.sample(k));
+            }
+            let tau = torque.sample_mut(k);
+            model.inverse_dynamics(&parameters, state, motion.ddq.sample(k), self.sign, &mut workspace, tau);
+        }
+        Some(torque)
+    }
+
+    /// A column in the rows of the model, from the torques of each recording.
+    fn column(&self, torques: Vec<Series>) -> Option<Vec<f64>> {
+        let mut parts = Vec::new();
+        for (torque, decimator) in torques.iter().zip(&self.rows.decimators) {
+            let assembly = Assembly::new(&self.problem.model, &[], decimator.clone());
+            parts.push(assembly.measurement_vector(torque).ok()?);
+        }
+        Some(self.rows.layout.stack_vectors(parts))
+    }
+
+    /// The column of torques that `changed` gives, as a difference over a step.
+    fn difference(
+        &self,
+        step: f64,
+        changed: impl Fn(&FilteredRecording) -> Option<Series>,
+    ) -> Option<Vec<f64>> {
+        let mut torques = Vec::new();
+        for (recording, predicted) in self.recordings().zip(&self.predicted) {
+            let mut torque = changed(recording)?;
+            let pairs = torque.values_mut().iter_mut().zip(predicted.values());
+            pairs.for_each(|(t, p)| *t = (*t - p) / step);
+            torques.push(torque);
+        }
+        self.column(torques)
+    }
+
+    /// The column of one number for each sample and joint.
+    fn each(&self, value: impl Fn(&FilteredRecording, usize, usize) -> f64) -> Option<Vec<f64>> {
+        let torques = self.recordings().map(|recording| {
+            let mut torque = Series::zeros(recording.motion.q.len(), self.joints());
+            for k in 0..torque.len() {
+                torque.sample_mut(k).iter_mut().enumerate().for_each(|(j, t)| *t = value(recording, k, j));
+            }
+            torque
+        });
+        self.column(torques.collect())
+    }
+
+    /// Everything that is tested, of what the motion can show.
+    pub(super) fn causes(&self, threads: usize) -> Vec<Cause> {
+        let tried = self.tried();
+        let found = in_parallel(tried.len(), threads, |k| self.cause(tried[k]));
+        found.into_iter().flatten().chain(self.payloads()).collect()
+    }
+
+    fn tried(&self) -> Vec<Tried> {
+        let joints = self.joints();
+        let revolute = (0..joints).filter(|&j| self.kind(j) == JointKind::Revolute);
+        let lengths = (1..self.robot.joints.len()).flat_map(|k| (0..3).map(move |axis| Tried::Length(k, axis)));
+        let mut tried = vec![Tried::LateTorque, Tried::LoadFriction, Tried::SpeedFriction, Tried::FrictionDrift];
+        tried.extend((0..joints).flat_map(|j| [Tried::Zero(j), Tried::Gear(j)]));
+        tried.extend(revolute.map(Tried::Elastic));
+        tried.extend(lengths);
+        tried.extend((1..joints).map(|j| Tried::Coupling(j - 1)));
+        tried
+    }
+
+    fn cause(&self, tried: Tried) -> Option<Cause> {
+        let joint = |j: usize| format!("joint {}", j + 1);
+        let nothing = String::new;
+        let (kind, subject, unit, columns) = match tried {
+            Tried::LateTorque => (CauseKind::LateTorque, nothing(), "s", vec![self.late_torque()]),
+            Tried::LoadFriction => (CauseKind::LoadFriction, nothing(), "", self.load_friction()),
+            Tried::SpeedFriction => (CauseKind::SpeedFriction, nothing(), "", self.speed_friction()),
+            Tried::FrictionDrift => (CauseKind::FrictionDrift, nothing(), "", self.friction_drift()),
+            Tried::Zero(j) => {
+                let unit = if self.kind(j) == JointKind::Revolute { "rad" } else { "m" };
+                (CauseKind::EncoderZero, joint(j), unit, vec![self.moved_zero(j)])
+            }
+            Tried::Gear(j) => (CauseKind::GearRatio, joint(j), "", vec![self.gear(j)]),
+            Tried::Elastic(j) => (CauseKind::Elasticity, joint(j), "rad/(N m)", vec![self.elastic(j)]),
+            Tried::Length(k, axis) => {
+                let subject = format!("link {k} along {}", ["x", "y", "z"][axis]);
+                (CauseKind::Length, subject, "m", vec![self.length(k, axis)])
+            }
+            Tried::Coupling(j) => {
+                (CauseKind::Coupling, format!("joints {} and {}", j + 1, j + 2), "", self.coupling(j))
+            }
+        };
+        let columns = columns.into_iter().collect::<Option<Vec<_>>>().filter(|c| !c.is_empty())?;
+        Some(Cause { kind, subject, unit, columns })
+    }
+
+    fn kind(&self, j: usize) -> JointKind {
+        self.robot.joints[self.robot.joint_of(j)].kind
+    }
+
+    /// Torques that are d late are `tau - d dtau/dt`.
+    fn late_torque(&self) -> Option<Vec<f64>> {
+        let slopes = self.recordings().map(|recording| {
+            let mut slope = slope(&recording.centred_torque(), recording.recording.sample_rate_hz);
+            slope.values_mut().iter_mut().for_each(|v| *v = -*v);
+            slope
+        });
+        self.column(slopes.collect())
+    }
+
+    fn moved_zero(&self, j: usize) -> Option<Vec<f64>> {
+        self.difference(STEP, |recording| {
+            let mut motion = recording.motion.clone();
+            (0..motion.q.len()).for_each(|k| motion.q.sample_mut(k)[j] += STEP);
+            self.of(&self.problem.model, self.standard, &motion, recording)
+        })
+    }
+
+    /// Positions that are too large by a ratio, and torques that are too small by it.
+    fn gear(&self, j: usize) -> Option<Vec<f64>> {
+        self.difference(STEP, |recording| {
+            let mut motion = recording.motion.clone();
+            for series in [&mut motion.q, &mut motion.dq, &mut motion.ddq] {
+                (0..series.len()).for_each(|k| series.sample_mut(k)[j] /= 1.0 + STEP);
+            }
+            let mut torque = self.of(&self.problem.model, self.standard, &motion, recording)?;
+            (0..torque.len()).for_each(|k| torque.sample_mut(k)[j] /= 1.0 + STEP);
+            Some(torque)
+        })
+    }
+
+    fn length(&self, joint: usize, axis: usize) -> Option<Vec<f64>> {
+        let mut robot = Robot { friction: self.identification.setup().robot.friction, ..self.robot.clone() };
+        robot.joints[joint].placement.origin[axis] += STEP;
+        let model = Model::new(&robot);
+        (model.parameter_table() == self.problem.model.parameter_table())
+            .then(|| self.difference(STEP, |r| self.of(&model, self.standard, &r.motion, r)))?
+    }
+
+    /// A link behind an elastic joint is at `q - tau / k`, where the encoder is at the motor.
+    fn elastic(&self, j: usize) -> Option<Vec<f64>> {
+        let bodies = self.only(|quantity| quantity.is_inertial());
+        let mut torques = Vec::new();
+        for recording in self.recordings() {
+            let rate = recording.recording.sample_rate_hz;
+            let at_link = self.of(&self.problem.model, &bodies, &recording.motion, recording)?;
+            let first = slope(&at_link, rate);
+            let second = slope(&first, rate);
+            let mut motion = recording.motion.clone();
+            for (series, change) in [(&mut motion.q, &at_link), (&mut motion.dq, &first), (&mut motion.ddq, &second)] {
+                (0..series.len()).for_each(|k| series.sample_mut(k)[j] -= COMPLIANCE * change.sample(k)[j]);
+            }
+            let mut torque = self.of(&self.problem.model, &bodies, &motion, recording)?;
+            let pairs = torque.values_mut().iter_mut().zip(at_link.values());
+            pairs.for_each(|(t, p)| *t = (*t - p) / COMPLIANCE);
+            torques.push(torque);
+        }
+        self.column(torques)
+    }
+
+    fn only(&self, keep: impl Fn(Quantity) -> bool) -> Vec<f64> {
+        let table = self.problem.model.parameter_table();
+        table.iter().zip(self.standard).map(|(p, v)| if keep(p.quantity) { *v } else { 0.0 }).collect()
+    }
+
+    /// A motor that turns with two joints has its inertia and friction in both.
+    fn coupling(&self, i: usize) -> Vec<Option<Vec<f64>>> {
+        let Sign::Smooth { scale } = self.sign else { return Vec::new() };
+        if !self.problem.model.coupled_motors().is_empty() {
+            return Vec::new();
+        }
+        let crossed = |of: fn(&Motion) -> &Series| {
+            self.each(move |r, k, j| {
+                let values = of(&r.motion).sample(k);
+                if j == i { values[i + 1] } else if j == i + 1 { values[i] } else { 0.0 }
+            })
+        };
+        let friction = self.each(|r, k, j| {
+            let dq = r.motion.dq.sample(k);
+            if j == i || j == i + 1 { ((dq[i] + dq[i + 1]) / scale).tanh() } else { 0.0 }
+        });
+        vec![crossed(|m| &m.ddq), crossed(|m| &m.dq), friction]
+    }
+
+    /// Coulomb friction in proportion to the torque of gravity.
+    fn load_friction(&self) -> Vec<Option<Vec<f64>>> {
+        let bodies = self.only(|quantity| quantity.is_inertial());
+        let gravity: Option<Vec<Series>> = self
+            .recordings()
+            .map(|recording| {
+                let still = || Series::zeros(recording.motion.q.len(), self.joints());
+                let motion = Motion { q: recording.motion.q.clone(), dq: still(), ddq: still() };
+                self.of(&self.problem.model, &bodies, &motion, recording)
+            })
+            .collect();
+        let Some(gravity) = gravity else { return Vec::new() };
+        let column = |joint: usize| {
+            let torques = self.recordings().zip(&gravity).map(|(recording, gravity)| {
+                let mut torque = Series::zeros(gravity.len(), self.joints());
+                for k in 0..torque.len() {
+                    let sign = self.sign.of(recording.motion.dq.sample(k)[joint]);
+                    torque.sample_mut(k)[joint] = gravity.sample(k)[joint].abs() * sign;
+                }
+                torque
+            });
+            self.column(torques.collect())
+        };
+        (0..self.joints()).map(column).collect()
+    }
+
+    /// Friction that falls with the speed: Coulomb friction that fades at two velocities.
+    fn speed_friction(&self) -> Vec<Option<Vec<f64>>> {
+        let mut columns = Vec::new();
+        for joint in 0..self.joints() {
+            let peak = self.recordings().flat_map(|r| (0..r.motion.dq.len()).map(|k| r.motion.dq.sample(k)[joint].abs()));
+            let peak = peak.fold(0.0, f64::max);
+            for part in SPEEDS {
+                columns.push(self.each(|r, k, j| {
+                    let dq = r.motion.dq.sample(k)[joint];
+                    let fades = (-(dq / (part * peak).max(f64::MIN_POSITIVE)).powi(2)).exp();
+                    if j == joint { self.sign.of(dq) * fades } else { 0.0 }
+                }));
+            }
+        }
+        columns
+    }
+
+    /// Friction that changes with time, as while a gear warms up; each recording from its own beginning.
+    fn friction_drift(&self) -> Vec<Option<Vec<f64>>> {
+        let mut columns = Vec::new();
+        for joint in 0..self.joints() {
+            for viscous in [true, false] {
+                columns.push(self.each(|r, k, j| {
+                    let dq = r.motion.dq.sample(k)[joint];
+                    let of_time = k as f64 / r.motion.dq.len() as f64;
+                    let friction = if viscous { dq } else { self.sign.of(dq) };
+                    if j == joint { of_time * friction } else { 0.0 }
+                }));
+            }
+        }
+        columns
+    }
+
+    /// Another last link from some instant on, in one recording.
+    fn payloads(&self) -> Vec<Cause> {
+        let mut recordings = self.recordings();
+        let (Some(recording), None) = (recordings.next(), recordings.next()) else { return Vec::new() };
+        let table = self.problem.model.parameter_table();
+        let last = self.robot.link_count() - 1;
+        let indices = INERTIAL.into_iter().filter_map(|quantity| table.index(Quantity::Link(quantity), last));
+        let unit = |i: usize| {
+            let mut theta = vec![0.0; table.len()];
+            theta[i] = 1.0;
+            self.column(vec![self.of(&self.problem.model, &theta, &recording.motion, recording)?])
+        };
+        let Some(units) = indices.map(unit).collect::<Option<Vec<_>>>() else { return Vec::new() };
+        let per_joint = self.rows.rows_of_joint();
+        let from = |instant: usize| {
+            let start = per_joint * (instant + 2) / (INSTANTS + 3);
+            let after = |unit: &Vec<f64>| {
+                unit.iter().enumerate().map(|(k, v)| if k % per_joint < start { 0.0 } else { *v }).collect()
+            };
+            let sample = self.rows.decimators[0].kept().nth(start).unwrap_or_default();
+            let time_s = recording.start_s() + sample as f64 / recording.recording.sample_rate_hz;
+            let columns = units.iter().map(after).collect();
+            Cause { kind: CauseKind::Payload, subject: format!("at {time_s:.1} s"), unit: "", columns }
+        };
+        (0..INSTANTS).map(from).collect()
+    }
+}
+
+/// Central differences over time.
+fn slope(series: &Series, rate_hz: f64) -> Series {
+    let (samples, channels) = (series.len(), series.channels());
+    let mut out = Series::zeros(samples, channels);
+    for k in 0..samples {
+        let (before, after) = (k.saturating_sub(1), (k + 1).min(samples - 1));
+        let step = (after - before).max(1) as f64 / rate_hz;
+        for j in 0..channels {
+            out.sample_mut(k)[j] = (series.sample(after)[j] - series.sample(before)[j]) / step;
+        }
+    }
+    out
+}
