@@ -252,6 +252,7 @@ impl VerdictReason {
             | ReasonCode::LastResort
             | ReasonCode::CorrelatedResidual
             | ReasonCode::Influence
+            | ReasonCode::Cause
             | ReasonCode::FewRows => false,
         };
         of_data && self.verdict == Verdict::DoNotUse

@@ -2,8 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{diagnosis::MovedParameter, parameters::ParameterResult, physical::PhysicalResult, run::RunResult};
+use super::{
+    diagnosis::MovedParameter, parameters::ParameterResult, physical::PhysicalResult, run::RunResult, verdict::Verdict,
+};
 use thetahat_estimation::identification::{Method, Status};
+use thetahat_ground::number::significant;
 
 /// Percent of a base parameter that the recordings must have decided for it to be quoted by itself.
 const QUOTED: f64 = 90.0;
@@ -31,6 +34,9 @@ pub struct ModelResult {
     /// What the model or the recordings are wrong in, as far as the residual shows it; the strongest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub causes: Vec<ModelCause>,
+    /// What it may be used for.
+    #[serde(default)]
+    pub uses: Vec<ModelUse>,
     /// All base parameters.
     pub parameters: Vec<ModelParameter>,
     /// Covariance of the base parameters, by recordings and belief: the lower triangle row by row, SI.
@@ -272,4 +278,55 @@ pub struct ModelCause {
     /// Base parameters that it moves by more than their standard deviation, the furthest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub moved: Vec<MovedParameter>,
+}
+
+impl ModelCause {
+    /// Its size with its deviation and unit: 0.46 ± 0.05 ms, 2.1 ± 0.3 %.
+    #[must_use]
+    pub fn size_in_words(&self) -> Option<String> {
+        let (size, deviation) = (self.size?, self.standard_deviation?);
+        let (factor, unit) = match (self.kind, self.unit.as_str()) {
+            (CauseKind::LateTorque, _) => (1e3, "ms"),
+            (CauseKind::GearRatio, _) => (100.0, "%"),
+            (CauseKind::Length, _) | (CauseKind::EncoderZero, "m") => (1e3, "mm"),
+            (_, unit) => (1.0, unit),
+        };
+        Some(format!("{} ± {} {unit}", significant(factor * size, 3), significant(factor * deviation, 2)))
+    }
+}
+
+/// What a model can be used for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum UseGrade {
+    /// Predict the torques of a motion.
+    PredictTorques,
+    /// Simulate the robot.
+    Simulate,
+    /// Quote the value of a single parameter.
+    QuoteSingleValues,
+}
+
+impl UseGrade {
+    /// In words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::PredictTorques => "predict torques",
+            Self::Simulate => "simulate",
+            Self::QuoteSingleValues => "quote single values",
+        }
+    }
+}
+
+/// The verdict on one use of the model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModelUse {
+    /// The use.
+    pub for_what: UseGrade,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Why it is not good; empty if it is.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub why: String,
 }

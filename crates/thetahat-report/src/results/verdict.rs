@@ -73,11 +73,13 @@ pub enum ReasonCode {
     Influence,
     /// There are few rows per parameter.
     FewRows,
+    /// The residual shows what the model or the recordings are wrong in.
+    Cause,
 }
 
 impl ReasonCode {
     /// All codes, in order.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::CheckProblem,
         Self::RecordingsDisagree,
         Self::DriveGain,
@@ -94,6 +96,7 @@ impl ReasonCode {
         Self::CorrelatedResidual,
         Self::Influence,
         Self::FewRows,
+        Self::Cause,
     ];
 
     /// Its stable name, lower case with hyphens.
@@ -116,6 +119,7 @@ impl ReasonCode {
             Self::Lag => "lag",
             Self::CheckWarning => "check-warning",
             Self::FewRows => "few-rows",
+            Self::Cause => "cause",
         }
     }
 }

@@ -1,9 +1,10 @@
-//! The one verdict on all results, by the rules of `docs/reference/verdict.md`: from the results alone, so that it can be repeated
+//! The one verdict on all results: on the model, or where there is none on the estimates, by the rules of `docs/reference/verdict.md`: from the results alone, so that it can be repeated
 //! on any `results.json`.
 
 mod comparisons;
 mod estimates;
 mod judged;
+mod model;
 mod reason;
 mod recordings;
 
@@ -16,13 +17,21 @@ pub(crate) fn judge(results: &mut Results) -> Verdict {
     results.verdict_reasons = reasons(results);
     let verdict = results.verdict_reasons.iter().map(|r| r.verdict).max().unwrap_or(Verdict::Good);
     results.verdict = Some(verdict);
+    if let Some(model) = &mut results.model {
+        model.uses = model::uses(model, &results.verdict_reasons);
+    }
     verdict
 }
 
 fn reasons(results: &Results) -> Vec<VerdictReason> {
     let mut reasons = recordings::reasons(results);
-    reasons.extend(comparisons::reasons(results));
-    reasons.extend(estimates::reasons(results));
+    match &results.model {
+        Some(model) => reasons.extend(model::reasons(results, model)),
+        None => {
+            reasons.extend(comparisons::reasons(results));
+            reasons.extend(estimates::reasons(results));
+        }
+    }
     reasons.sort_by_key(|r| (Reverse(r.verdict), r.code));
     reasons
 }

@@ -27,6 +27,10 @@ pub(super) fn reasons(results: &Results) -> Vec<VerdictReason> {
 fn of_recording(results: &Results, recording: &RecordingFindings) -> Vec<VerdictReason> {
     let mut all: Vec<(ReasonCode, Verdict, Vec<&Finding>)> = Vec::new();
     for finding in &recording.findings {
+        // What the motion does not excite the model takes from its belief, and says so.
+        if finding.code == Code::NotExcited && results.model.is_some() {
+            continue;
+        }
         let Some((code, verdict)) = demanded(finding, recording.held_back) else { continue };
         match all.iter_mut().find(|(_, v, same)| *v == verdict && same[0].code == finding.code) {
             Some((.., same)) => same.push(finding),

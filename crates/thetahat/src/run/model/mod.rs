@@ -111,6 +111,7 @@ impl Identification {
             fit: errors(rows, &rows.x.times(&theta), None, &speeds),
             unseen: choice.unseen.as_ref().map(|unseen| errors(rows, &unseen.prediction, Some(&unseen.seen), &speeds)),
             causes: causes::causes(self, problem, rows, (&choice.standard, &choice.deviations, choice.transition)),
+            uses: Vec::new(),
             parameters: self.model_parameters(problem, set, &theta, knowledge.as_ref(), runs),
             covariance: knowledge.map(|k| lower_triangle(&k.covariance)).unwrap_or_default(),
             standard: standard_parameters(set, &choice.standard),

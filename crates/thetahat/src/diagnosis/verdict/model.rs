@@ -1,0 +1,227 @@
+//! What the model says of itself: whether it predicts, and what it is wrong in.
+
+use super::reason::{ReasonText, reason};
+use thetahat_ground::number::significant;
+use thetahat_report::results::{
+    CauseKind, ModelCause, ModelError, ModelResult, ModelUse, ReasonCode, ReasonSubject, Results, RunResult, UseGrade,
+    Verdict, VerdictReason,
+};
+
+/// Unseen error, percent of all torques, from which the model explains too little.
+const TOO_LITTLE_PERCENT: f64 = 50.0;
+/// The same of one joint, from which its torque is not explained.
+const UNEXPLAINED_PERCENT: f64 = 95.0;
+/// The same from which much of it is left.
+const POORLY_PERCENT: f64 = 50.0;
+/// Torque of a joint, relative to the largest, below which an error of it does not count against the model as a whole.
+const SMALL_TORQUE: f64 = 0.05;
+/// Unseen error over the error of the fit, from which the recordings are too little for the model.
+const FAR_FROM_FIT: f64 = 2.0;
+/// Unseen error, percent of all torques, below which predictions are good.
+const PREDICTS_PERCENT: f64 = 10.0;
+/// Part of the residual that its neighbour rows predict, percent of all torques, from which it is no noise.
+const STRUCTURE_PERCENT: f64 = 1.0;
+/// What a payload that is picked up explains, percent, from which the recording is not one robot's.
+const PAYLOAD_PERCENT: f64 = 2.0;
+/// Delay of the torques that is worth a correction: in sample periods, and in s. Torques that are held are half a period of their
+/// controller old.
+const LATE_SAMPLES: f64 = 0.75;
+const LATE_S: f64 = 1e-3;
+/// Percent of the base parameters that the recordings must have decided for simulations to rest on them.
+const MOSTLY_DECIDED: f64 = 50.0;
+
+pub(super) fn reasons(results: &Results, model: &ModelResult) -> Vec<VerdictReason> {
+    let error = model.unseen.as_ref().unwrap_or(&model.fit);
+    let mut reasons: Vec<VerdictReason> = too_little(error).into_iter().collect();
+    if reasons.is_empty() {
+        reasons.extend(joints(results, error));
+    }
+    reasons.extend(far_from_fit(model));
+    let mut causes: Vec<VerdictReason> = model.causes.iter().filter_map(|c| cause(results, c)).collect();
+    if causes.is_empty() {
+        causes.extend(structure(results, model));
+    }
+    reasons.extend(causes);
+    reasons
+}
+
+fn too_little(error: &ModelError) -> Option<VerdictReason> {
+    let seen = format!("The model leaves {:.0} % of the torques of unseen motion", error.percent);
+    let said = ReasonText::new(seen, "check that the torques belong to this motion and this robot");
+    let numbers = [("unseen_percent", Some(error.percent)), ("limit", Some(TOO_LITTLE_PERCENT))];
+    let found = || reason(ReasonCode::NothingExplained, Verdict::DoNotUse, &numbers, ReasonSubject::default(), said);
+    (error.percent > TOO_LITTLE_PERCENT).then(found)
+}
+
+/// Joints of which much is left.
+fn joints(results: &Results, error: &ModelError) -> Vec<VerdictReason> {
+    let torque = |j: usize| {
+        let joint = &error.joints[j];
+        joint.percent.filter(|p| *p > 0.0).map_or(0.0, |p| 100.0 * joint.rms / p)
+    };
+    let largest = (0..error.joints.len()).map(torque).fold(0.0, f64::max);
+    let of_joint = |j: usize| {
+        let percent = error.joints[j].percent.filter(|p| *p > POORLY_PERCENT)?;
+        let is_small = torque(j) < SMALL_TORQUE * largest;
+        let label = results.joint_label(j);
+        let (code, verdict) = match (percent > UNEXPLAINED_PERCENT, is_small) {
+            (true, false) => (ReasonCode::JointNotExplained, Verdict::DoNotUse),
+            (true, true) => (ReasonCode::JointNotExplained, Verdict::Care),
+            (false, _) => (ReasonCode::JointPoorlyExplained, Verdict::Care),
+        };
+        let of_all = if is_small { ", which is small against the others" } else { "" };
+        let seen = format!("The model leaves {percent:.0} % of the torque of {label} on unseen motion{of_all}");
+        let remedy = match verdict {
+            Verdict::DoNotUse => format!("check the torque column of {label}"),
+            Verdict::Care | Verdict::Good => format!("do not use its torque of {label} by itself"),
+        };
+        let joint = results.robot_joints.get(j).map(|joint| joint.name.clone());
+        let numbers = [("unseen_percent", Some(percent)), ("limit", Some(POORLY_PERCENT))];
+        let subject = ReasonSubject { joint, ..ReasonSubject::default() };
+        Some(reason(code, verdict, &numbers, subject, ReasonText::new(seen, remedy)))
+    };
+    (0..error.joints.len()).filter_map(of_joint).collect()
+}
+
+fn far_from_fit(model: &ModelResult) -> Option<VerdictReason> {
+    let (unseen, fit) = (model.unseen.as_ref()?.percent, model.fit.percent);
+    let times = unseen / fit;
+    let seen = format!(
+        "The model's error on unseen motion is {} %, {times:.1} times the {} % of its fit",
+        significant(unseen, 3),
+        significant(fit, 3)
+    );
+    let said = ReasonText::new(seen, "record more motion, of all joints together");
+    let numbers = [("unseen_percent", Some(unseen)), ("fit_percent", Some(fit)), ("limit", Some(FAR_FROM_FIT))];
+    let is_far = times > FAR_FROM_FIT && unseen > STRUCTURE_PERCENT;
+    is_far.then(|| reason(ReasonCode::CrossValidation, Verdict::Care, &numbers, ReasonSubject::default(), said))
+}
+
+/// A cause that matters.
+fn cause(results: &Results, found: &ModelCause) -> Option<VerdictReason> {
+    let period = results.recordings.first().map_or(0.0, |r| 1.0 / r.sample_rate_hz);
+    let verdict = match found.kind {
+        CauseKind::LateTorque => {
+            let late = found.size.unwrap_or(0.0).abs();
+            (late > (LATE_SAMPLES * period).max(LATE_S)).then_some(Verdict::Care)?
+        }
+        CauseKind::Payload if found.error_percent > PAYLOAD_PERCENT => Verdict::DoNotUse,
+        CauseKind::Payload
+        | CauseKind::EncoderZero
+        | CauseKind::GearRatio
+        | CauseKind::Elasticity
+        | CauseKind::Length
+        | CauseKind::Coupling
+        | CauseKind::LoadFriction
+        | CauseKind::SpeedFriction
+        | CauseKind::FrictionDrift => Verdict::Care,
+    };
+    let size = found.size_in_words().map(|size| format!(", {size}")).unwrap_or_default();
+    let rivals = match found.rivals.as_slice() {
+        [] => String::new(),
+        rivals => format!("; the recordings do not separate it from {}", rivals.join(", ")),
+    };
+    let moved: Vec<&str> = found.moved.iter().take(4).map(|m| m.parameter.as_str()).collect();
+    let moved = if moved.is_empty() { String::new() } else { format!("; it moved {}", moved.join(", ")) };
+    let seen = format!(
+        "The residual shows {}{size} (chance: 1e{:.0}){rivals}{moved}",
+        found.kind.with_subject(&found.subject),
+        found.log10_probability
+    );
+    let numbers = [
+        ("log10_probability", Some(found.log10_probability)),
+        ("size", found.size),
+        ("error_percent", Some(found.error_percent)),
+    ];
+    let parameter = found.moved.first().map(|m| m.parameter.clone());
+    let subject = ReasonSubject { parameter, ..ReasonSubject::default() };
+    Some(reason(ReasonCode::Cause, verdict, &numbers, subject, ReasonText::new(seen, remedy(found))))
+}
+
+fn remedy(found: &ModelCause) -> String {
+    match found.kind {
+        CauseKind::LateTorque => match found.size {
+            Some(size) => format!("set delay_s = {:.4} of the torque", size),
+            None => "set delay_s of the torque".to_owned(),
+        },
+        CauseKind::EncoderZero => format!("check the zero of {} against the description", found.subject),
+        CauseKind::GearRatio => format!("check the gear ratio of {}", found.subject),
+        CauseKind::Elasticity => "stay below its resonance, or record behind the gear".to_owned(),
+        CauseKind::Length => "check the lengths of the description".to_owned(),
+        CauseKind::Coupling => "state the coupling in [transmission] of the robot".to_owned(),
+        CauseKind::LoadFriction => "add a [[term]] of kind load-friction".to_owned(),
+        CauseKind::SpeedFriction => "compare_terms = true in [estimation], and add the [[term]] that it recommends".to_owned(),
+        CauseKind::FrictionDrift => "warm the robot up before recording".to_owned(),
+        CauseKind::Payload => "cut the recording where the load changes, or state [[payload]]".to_owned(),
+    }
+}
+
+/// What neighbouring rows predict of the residual, percent of all torques, where no cause that was tested explains it.
+fn structure(results: &Results, model: &ModelResult) -> Option<VerdictReason> {
+    let run = results.runs.iter().find(|r| r.residual.is_some() && !r.is_of_positions())?;
+    let percent = structure_percent(run, model);
+    let seen = format!(
+        "{} % of the torques are left in errors that last, and no cause that was tested explains them: the model predicts as \
+         its error says, but true values may lie outside the intervals of single parameters",
+        significant(percent, 2)
+    );
+    let said = ReasonText::new(seen, "look at the residual over velocity, position and load in the report");
+    let numbers = [("structure_percent", Some(percent)), ("limit", Some(STRUCTURE_PERCENT))];
+    let subject = ReasonSubject::default();
+    (percent > STRUCTURE_PERCENT)
+        .then(|| reason(ReasonCode::CorrelatedResidual, Verdict::Care, &numbers, subject, said))
+}
+
+/// `100 sqrt(sum_j r1_j e_j^2 / sum_j tau_j^2)` of the joints' residuals e and their correlation r1 of neighbouring rows.
+fn structure_percent(run: &RunResult, model: &ModelResult) -> f64 {
+    let correlated = |j: usize| {
+        let residual = run.residual.iter().flat_map(|r| &r.joints).find(|r| r.joint == j + 1);
+        residual.map_or(0.0, |r| r.autocorrelation.max(0.0))
+    };
+    let joints = &model.fit.joints;
+    let lasting: f64 = joints.iter().enumerate().map(|(j, e)| correlated(j) * e.rms.powi(2)).sum();
+    let all: f64 = joints.iter().map(|e| e.rms.powi(2)).sum();
+    if all > 0.0 { model.fit.percent * (lasting / all).sqrt() } else { 0.0 }
+}
+
+/// What the model may be used for, from the reasons of the verdict.
+pub(super) fn uses(model: &ModelResult, reasons: &[VerdictReason]) -> Vec<ModelUse> {
+    let gravest = reasons.iter().map(|r| r.verdict).max().unwrap_or(Verdict::Good);
+    let error = model.unseen.as_ref().unwrap_or(&model.fit);
+    let forbidden = gravest == Verdict::DoNotUse;
+    let of = |for_what: UseGrade, care: Option<String>| {
+        let (verdict, why) = match care {
+            _ if forbidden => (Verdict::DoNotUse, "the data forbid it".to_owned()),
+            Some(why) => (Verdict::Care, why),
+            None => (Verdict::Good, String::new()),
+        };
+        ModelUse { for_what, verdict, why }
+    };
+    let far = reasons.iter().any(|r| r.code == ReasonCode::CrossValidation);
+    let predict = match (error.percent > PREDICTS_PERCENT, far) {
+        (true, _) => Some(format!("its error on unseen motion is {} %", significant(error.percent, 3))),
+        (false, true) => Some("the recordings are little for it: it is good on motion like theirs".to_owned()),
+        (false, false) => None,
+    };
+    let decided = model.parameters.iter().filter(|p| p.is_decided()).count();
+    let share = 100.0 * decided as f64 / model.parameters.len().max(1) as f64;
+    let simulate = predict.clone().or_else(|| {
+        (share < MOSTLY_DECIDED).then(|| {
+            let of = model.parameters.len();
+            format!("the recordings decided {decided} of {of} parameters: the others are of the a-priori robot")
+        })
+    });
+    let moves_values = |r: &&VerdictReason| {
+        matches!(r.code, ReasonCode::Cause | ReasonCode::CorrelatedResidual | ReasonCode::Lag | ReasonCode::CheckWarning)
+    };
+    let quote = match reasons.iter().find(moves_values) {
+        Some(reason) => Some(reason.seen().to_owned()),
+        None if decided == 0 => Some("the recordings decided no single parameter".to_owned()),
+        None => None,
+    };
+    vec![
+        of(UseGrade::PredictTorques, predict),
+        of(UseGrade::Simulate, simulate),
+        of(UseGrade::QuoteSingleValues, quote),
+    ]
+}
