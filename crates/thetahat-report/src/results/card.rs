@@ -2,7 +2,9 @@
 
 use super::{
     content::{NOMINAL, Results},
+    estimate::EstimateSource,
     grade::Grade,
+    model::ModelUse,
     run::RunResult,
     verdict::{ReasonCode, Verdict, VerdictReason},
 };
@@ -26,8 +28,10 @@ const AGAIN: &str = "then identify again: the other findings may disappear";
 pub struct Card {
     /// Whether the results can be used; none in files from before this key.
     pub verdict: Option<Verdict>,
-    /// The recommended method; none if no method can be recommended.
-    pub method: Option<Method>,
+    /// What to use: the model, or where there is none the recommended method; none if no method can be recommended.
+    pub source: Option<EstimateSource>,
+    /// What the model may be used for; empty without a model.
+    pub uses: Vec<ModelUse>,
     /// Its case, if there are several.
     pub case: Option<String>,
     /// Its relative error, percent of the torques (of the positions for `cloe`).
@@ -80,17 +84,20 @@ impl Results {
     /// The summary of the nominal case.
     #[must_use]
     pub fn card(&self) -> Card {
-        let run = self.recommended_run();
+        let model = self.model.as_ref().map(|model| model.quoted(NOMINAL));
+        let run = model.as_ref().or_else(|| self.recommended_run());
+        let of_run = run.map(|r| EstimateSource::Run(r.method));
         Card {
             verdict: self.verdict,
-            method: run.map(|r| r.method),
+            source: model.as_ref().map(|_| EstimateSource::Model).or(of_run),
+            uses: self.model.iter().flat_map(|model| model.uses.clone()).collect(),
             relative_error_percent: run.and_then(|r| r.relative_error_percent),
             unseen: run.and_then(|r| self.unseen(r)),
             worst_joint: run.and_then(|r| self.worst_joint(r)),
             parameters: Grade::ALL
                 .map(|grade| run.iter().flat_map(|r| r.graded(grade)).map(|p| p.name.clone()).collect()),
             model_is_doubted: self.model_is_doubted(),
-            case: run.map(|r| r.case.clone()).filter(|_| self.cases().len() > 1),
+            case: run.map(|r| r.case.clone()).filter(|_| model.is_none() && self.cases().len() > 1),
             physical: run.and_then(RunResult::physically),
             actions: self.next(run),
         }
@@ -112,7 +119,7 @@ impl Results {
     /// Whether something is missing in the model or in the processing, which may bias precise estimates.
     #[must_use]
     pub fn model_is_doubted(&self) -> bool {
-        self.verdict_reasons.iter().any(|r| r.code == ReasonCode::CorrelatedResidual)
+        self.verdict_reasons.iter().any(|r| matches!(r.code, ReasonCode::CorrelatedResidual | ReasonCode::Cause))
     }
 
     /// The recommended run of the nominal case.
@@ -317,7 +324,7 @@ mod tests {
         let mut results = results();
         results.verdict_reasons = ["one", "two", "one", "three", "four"].map(reason).into();
         let card = results.card();
-        assert_eq!(card.method, Some(Method::IDIM_LS));
+        assert_eq!(card.source, Some(EstimateSource::Run(Method::IDIM_LS)));
         assert_eq!((card.relative_error_percent, card.unseen), (Some(4.0), Some(Unseen::LeftOut(5.0))));
         assert_eq!(card.worst_joint, Some(("joint 2 (elbow)".to_owned(), 7.5)));
         assert_eq!(card.parameters, ["a", "b", "c", "ia2"].map(|name| vec![name.to_owned()]));
@@ -353,10 +360,10 @@ mod tests {
         let mut results = results();
         results.advice[0].recommended = None;
         let card = results.card();
-        assert_eq!((card.method, card.relative_error_percent), (None, None));
+        assert_eq!((card.source, card.relative_error_percent), (None, None));
         assert!(card.parameters.iter().all(Vec::is_empty), "{card:?}");
         results.advice.clear();
-        assert_eq!(results.card().method, Some(Method::IDIM_LS), "a reduction is solved without advice");
+        assert_eq!(results.card().source, Some(EstimateSource::Run(Method::IDIM_LS)), "a reduction is solved without advice");
     }
 
     #[test]

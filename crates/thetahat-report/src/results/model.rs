@@ -34,6 +34,9 @@ pub struct ModelResult {
     /// What the model or the recordings are wrong in, as far as the residual shows it; the strongest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub causes: Vec<ModelCause>,
+    /// Errors of the description that these recordings do not show unless they are larger.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub smallest_shown: Vec<SmallestShown>,
     /// What it may be used for.
     #[serde(default)]
     pub uses: Vec<ModelUse>,
@@ -101,7 +104,8 @@ pub struct ModelParameter {
     pub a_priori: f64,
     /// Percent of it that the recordings decided: `100 (1 - variance / variance by the belief alone)`.
     pub decided_percent: f64,
-    /// Interval of the recordings alone, inside what a robot can have; `null` where they do not determine it.
+    /// Interval of the recordings alone, inside what a robot can have, widened by what the causes that were named may have moved;
+    /// `null` where the recordings do not determine it.
     pub interval_95: Option<[f64; 2]>,
     /// True value, for a simulated robot.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -156,6 +160,20 @@ impl ModelResult {
             physical: Some(self.physical()),
             ..RunResult::new(case, self.method, Status::Converged)
         }
+    }
+
+    /// [`ModelResult::as_run`] in which parameters that the recordings did not decide have no deviation and no interval: what is
+    /// quoted by itself.
+    #[must_use]
+    pub fn quoted(&self, case: &str) -> RunResult {
+        let mut run = self.as_run(case);
+        for (parameter, own) in run.parameters.iter_mut().zip(&self.parameters) {
+            let interval = own.interval_95.filter(|_| own.is_decided());
+            parameter.interval_95 = interval;
+            let half = interval.map(|[low, high]| 0.5 * (high - low) / 1.96);
+            (parameter.standard_deviation, parameter.standard_deviation_robust) = (half, half);
+        }
+        run
     }
 
     fn physical(&self) -> PhysicalResult {
@@ -285,12 +303,7 @@ impl ModelCause {
     #[must_use]
     pub fn size_in_words(&self) -> Option<String> {
         let (size, deviation) = (self.size?, self.standard_deviation?);
-        let (factor, unit) = match (self.kind, self.unit.as_str()) {
-            (CauseKind::LateTorque, _) => (1e3, "ms"),
-            (CauseKind::GearRatio, _) => (100.0, "%"),
-            (CauseKind::Length, _) | (CauseKind::EncoderZero, "m") => (1e3, "mm"),
-            (_, unit) => (1.0, unit),
-        };
+        let (factor, unit) = shown_in(self.kind, &self.unit);
         Some(format!("{} ± {} {unit}", significant(factor * size, 3), significant(factor * deviation, 2)))
     }
 }
@@ -316,6 +329,38 @@ impl UseGrade {
             Self::Simulate => "simulate",
             Self::QuoteSingleValues => "quote single values",
         }
+    }
+}
+
+/// The smallest error of a kind that the recordings would show.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SmallestShown {
+    /// What it is.
+    pub kind: CauseKind,
+    /// Joint or link.
+    pub subject: String,
+    /// The size that is named in one of two such recordings.
+    pub size: f64,
+    /// Unit of the size; empty for a ratio.
+    pub unit: String,
+}
+
+impl SmallestShown {
+    /// It with its unit: "a wrong gear ratio of joint 2: 3.1 %".
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let (factor, unit) = shown_in(self.kind, &self.unit);
+        format!("{}: {} {unit}", self.kind.with_subject(&self.subject), significant(factor * self.size, 2))
+    }
+}
+
+/// Factor and unit in which a size is written.
+fn shown_in(kind: CauseKind, unit: &str) -> (f64, &str) {
+    match (kind, unit) {
+        (CauseKind::LateTorque, _) => (1e3, "ms"),
+        (CauseKind::GearRatio, _) => (100.0, "%"),
+        (CauseKind::Length, _) | (CauseKind::EncoderZero, "m") => (1e3, "mm"),
+        (_, unit) => (1.0, unit),
     }
 }
 

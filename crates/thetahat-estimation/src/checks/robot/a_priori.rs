@@ -26,6 +26,8 @@ use thetahat_model::{
 /// Largest factor between a torque and that of the a-priori masses, either way. Clean recordings: TX40 at most 1.1, KUKA 1.4,
 /// twins with the right masses 1.1.
 const LIMIT: f64 = 5.0;
+/// The same from which no masses of a robot are so wrong, be it at one joint.
+const ABSURD: f64 = 1000.0;
 /// Smallest part of a torque's squares, without friction, offset and motor inertia, that the a-priori model must explain.
 const EXPLAINED: f64 = 0.5;
 /// Largest factor between two scales that count as equal.
@@ -52,7 +54,8 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &ThinnedRe
     let factors: Vec<f64> = wrong.iter().map(|s| s.factor).collect();
     let middle = median(&factors);
     let common = wrong.len() >= SEVERAL.min(scales.len()) && wrong.len() > 1;
-    let severity = if common { Severity::Problem } else { Severity::Warning };
+    let is_absurd = off(middle) > ABSURD;
+    let severity = if common || is_absurd { Severity::Problem } else { Severity::Warning };
     let only = if wrong.len() == 1 { Some(wrong[0].coordinate) } else { None };
     exam.raise(evidence(only, off(middle)), severity, finding_text(exam.subject.robot, &wrong, middle, common));
 }

@@ -95,9 +95,9 @@ mod tests {
     fn figures_show_the_run_that_the_card_recommends() {
         let results = without_advice(&[run("idim-ls", "converged"), run("idim-iv", "converged")]);
         let main = main_run(&results, "nominal").map(|run| run.method);
-        assert_eq!((main, results.card().method), (Some(Method::IDIM_IV), Some(Method::IDIM_IV)));
+        assert_eq!((main, results.card().source), (Some(Method::IDIM_IV), Some(EstimateSource::Run(Method::IDIM_IV))));
         let results = without_advice(&[run("idim-wls", "converged"), run("didim", "converged")]);
-        assert_eq!(results.card().method, None);
+        assert_eq!(results.card().source, None);
         assert_eq!(
             main_run(&results, "nominal").map(|run| run.method.name()),
             Some("idim-wls"),

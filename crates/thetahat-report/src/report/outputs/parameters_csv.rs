@@ -33,6 +33,11 @@ fn render(results: &Results, _: Option<&Published>) -> Result<Vec<u8>, ReportErr
             writer.write_record(record([&run.case, run.method.name()], parameter)).map_err(refuse)?;
         }
     }
+    if let Some(model) = &results.model {
+        for parameter in &model.as_run(NOMINAL).parameters {
+            writer.write_record(record([NOMINAL, "model"], parameter)).map_err(refuse)?;
+        }
+    }
     for run in &results.user_runs {
         for parameter in &run.parameters {
             writer.write_record(record([NOMINAL, &format!("user:{}", run.name)], parameter)).map_err(refuse)?;

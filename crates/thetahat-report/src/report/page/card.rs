@@ -7,11 +7,11 @@ use crate::{
         names,
         number::significant,
         text::{
-            card::physically,
+            card::{physically, uses_in_words},
             grades::{class, is_counted},
         },
     },
-    results::{Card, Grade, Method, Physical, Results, Unseen, Verdict},
+    results::{Card, EstimateSource, Grade, Method, Physical, Results, Unseen, Verdict},
 };
 
 /// The verdict with its figures, reasons and actions.
@@ -87,10 +87,13 @@ impl HeadCard {
 
 fn facts(card: &Card, verdict: Verdict) -> Vec<(&'static str, String)> {
     let percent = |e: f64| format!("{}\u{a0}%", significant(e, 3));
-    let method = card.method.map(|m| match verdict {
+    let method = card.source.map(|m| match verdict {
         Verdict::Good | Verdict::Care => {
             let case = card.case.as_ref().map(|case| format!(" ({case})")).unwrap_or_default();
-            ("Recommended method", format!("{m}{case}"))
+            match m {
+                EstimateSource::Model => ("Use", "the model".to_owned()),
+                EstimateSource::Run(method) => ("Recommended method", format!("{method}{case}")),
+            }
         }
         Verdict::DoNotUse => ("Method", format!("none; the numbers below are those of {}", m.name())),
     });
@@ -107,10 +110,11 @@ fn facts(card: &Card, verdict: Verdict) -> Vec<(&'static str, String)> {
     let physical = physical.map(|physical| ("Physically possible", physically(physical).to_owned()));
     let at = |(name, error): &(String, f64)| format!(" overall, {} at {name}", percent(*error));
     let worst = card.worst_joint.as_ref().map(at).unwrap_or_default();
-    let of = if card.method == Some(Method::CLOE) { "Error of the positions" } else { "Error of the torque" };
+    let of = if card.source == Some(EstimateSource::Run(Method::CLOE)) { "Error of the positions" } else { "Error of the torque" };
     let error = card.relative_error_percent.map(|error| (of, percent(error) + &worst));
     let none = (verdict == Verdict::DoNotUse).then(|| ("Parameters to use", "none".to_owned()));
-    [method, error, unseen, physical, none].into_iter().flatten().collect()
+    let uses = (!card.uses.is_empty()).then(|| ("It may be used to", uses_in_words(card)));
+    [method, uses, error, unseen, physical, none].into_iter().flatten().collect()
 }
 
 /// How many parameters are precise.
@@ -139,7 +143,7 @@ fn graded(card: &Card) -> Vec<Graded> {
         Grade::Precise => "Precise",
         Grade::Rough => "Rough, use with caution",
         Grade::Impossible => "Impossible (below zero), do not use",
-        Grade::NotIdentified => "Not identified, do not use",
+        Grade::NotIdentified => "Not identified, do not quote",
     };
     let of_grade = |(grade, of): (Grade, &Vec<String>)| Graded {
         class: class(grade),
@@ -176,7 +180,8 @@ mod tests {
         let names = |count: usize| (0..count).map(|k| format!("p{k}")).collect::<Vec<_>>();
         let card = |verdict, sure, rough| Card {
             verdict: Some(verdict),
-            method: None,
+            source: None,
+            uses: Vec::new(),
             case: None,
             physical: None,
             relative_error_percent: None,

@@ -5,6 +5,7 @@ pub(in crate::report) mod diagnosis;
 pub(in crate::report) mod facts;
 pub(in crate::report) mod findings;
 pub(in crate::report) mod hidden_bias;
+pub(in crate::report) mod model;
 pub(in crate::report) mod payload;
 pub(in crate::report) mod physical;
 pub(in crate::report) mod terms;
@@ -28,6 +29,7 @@ const SIGNIFICANCE: f64 = 0.05;
 /// Every section that is not empty.
 pub(super) fn all(results: &Results, published: Option<&Published>) -> Vec<Section> {
     let mut sections = vec![
+        model::section(results),
         torques(results),
         estimates(results, published),
         summary(results),

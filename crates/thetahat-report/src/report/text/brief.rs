@@ -3,12 +3,12 @@
 use crate::{
     report::{
         number::{self, NONE, estimate, optional},
-        sections::{facts, findings, payload, physical, terms},
+        sections::{facts, findings, model, payload, physical, terms},
         table::Table,
         tables,
         wrap::{TextWidth, shortened, wrap},
     },
-    results::{Grade, ParameterResult, Results, RunResult, Verdict},
+    results::{Grade, NOMINAL, ParameterResult, Results, RunResult, Verdict},
 };
 use thetahat_ground::visible::visible;
 
@@ -19,10 +19,14 @@ const GAP: usize = 3;
 #[must_use]
 pub fn brief(results: &Results, width: TextWidth) -> String {
     let mut parts = vec![head(results, width), findings::brief(results, width), runs(results, width)];
+    parts.push(model::brief(results, width));
     parts.push(physical::brief(results, width));
     parts.extend(payload::tables(results).iter().map(|table| table.to_text(width)));
     parts.push(terms::profiled(results).map(|line| wrap(&line, "", width)).collect());
-    parts.extend(results.recommended_run().map(|run| estimates(run, width)));
+    match &results.model {
+        Some(model) => parts.push(estimates(&model.quoted(NOMINAL), "the model", width)),
+        None => parts.extend(results.recommended_run().map(|run| estimates(run, run.method.name(), width))),
+    }
     parts.retain(|part| !part.is_empty());
     parts.join("\n")
 }
@@ -63,7 +67,7 @@ fn runs(results: &Results, width: TextWidth) -> String {
     let several = results.cases().len() > 1;
     let recommended = results
         .recommended_run()
-        .filter(|_| results.verdict != Some(Verdict::DoNotUse))
+        .filter(|_| results.verdict != Some(Verdict::DoNotUse) && results.model.is_none())
         .map(|r| (r.case.clone(), r.method));
     let is_recommended =
         |r: &RunResult| recommended.as_ref().is_some_and(|(case, method)| (case, method) == (&r.case, &r.method));
@@ -97,10 +101,10 @@ fn runs(results: &Results, width: TextWidth) -> String {
 }
 
 /// The estimates of a run by grade, in as many columns as fit; of parameters not identified only the names.
-fn estimates(run: &RunResult, width: TextWidth) -> String {
+fn estimates(run: &RunResult, of: &str, width: TextWidth) -> String {
     let is_regrouped = run.parameters.iter().any(|p| p.name.ends_with('r'));
     let regrouped = if is_regrouped { " (r: includes others)" } else { "" };
-    let head = format!("Estimates of {} \u{b1} half of the 95 % interval{regrouped}", run.method);
+    let head = format!("Estimates of {of} \u{b1} half of the 95 % interval{regrouped}");
     let mut text = wrap(&head, "", width);
     let (moved, wide): (Vec<_>, Vec<_>) = run.graded(Grade::Rough).partition(|p| run.may_be_moved(p).is_some());
     for (grade, what, known) in [
@@ -118,7 +122,7 @@ fn estimates(run: &RunResult, width: TextWidth) -> String {
     if !names.is_empty() {
         let moved = run.parameters.iter().any(|p| run.may_be_moved(p).is_some());
         let or_moved = if moved { ", or would after such a shift" } else { "" };
-        text += &wrap(&format!("not identified: the interval contains zero{or_moved}"), "  ", width);
+        text += &wrap(&format!("not identified by the recordings{or_moved}"), "  ", width);
         text += &wrap(&names.join(" "), "    ", width);
     }
     let held = tables::interval_counts(&[run]);

@@ -6,7 +6,7 @@ use crate::{
         number::significant,
         wrap::{TextWidth, labelled},
     },
-    results::{Card, Grade, Physical, Results, Unseen, Verdict},
+    results::{Card, EstimateSource, Grade, Physical, Results, Unseen, Verdict},
 };
 
 /// Columns of the labels.
@@ -23,7 +23,11 @@ pub fn headline(results: &Results) -> String {
 
 fn headline_of(card: &Card) -> String {
     let case = card.case.as_ref().map(|case| format!(" ({case})")).unwrap_or_default();
-    let method = card.method.map_or_else(|| "no method is recommended".to_owned(), |m| format!("use {m}{case}"));
+    let method = match card.source {
+        Some(EstimateSource::Model) => "use the model".to_owned(),
+        Some(EstimateSource::Run(method)) => format!("use {method}{case}"),
+        None => "no method is recommended".to_owned(),
+    };
     match card.verdict {
         Some(Verdict::Good) => format!("\u{2713} GOOD: {method}"),
         Some(Verdict::Care) => format!("! CARE: {method}, read why"),
@@ -48,9 +52,10 @@ pub fn card_text(results: &Results, width: TextWidth) -> String {
 
 /// Errors, the worst joint and the grades of the parameters; empty without a recommended method.
 fn facts(card: &Card) -> Vec<(&'static str, String)> {
-    let Some(method) = card.method else { return Vec::new() };
+    let Some(source) = card.source else { return Vec::new() };
     let worst = |(name, percent): &(String, f64)| format!("{name}, {} %", significant(*percent, 3));
     let facts = [
+        (!card.uses.is_empty()).then(|| ("use to", uses_in_words(card))),
         card.relative_error_percent.map(|error| ("error", format!("{} %{}", significant(error, 3), validation(card)))),
         card.worst_joint.as_ref().map(|joint| ("worst joint", worst(joint))),
         card.physical
@@ -60,7 +65,7 @@ fn facts(card: &Card) -> Vec<(&'static str, String)> {
         quotable(card).map(|names| ("quote", names)),
     ];
     let method =
-        (card.verdict == Some(Verdict::DoNotUse)).then(|| ("method", format!("{method} (shown, not recommended)")));
+        (card.verdict == Some(Verdict::DoNotUse)).then(|| ("method", format!("{source} (shown, not recommended)")));
     method.into_iter().chain(facts.into_iter().flatten()).collect()
 }
 
@@ -71,6 +76,12 @@ fn validation(card: &Card) -> String {
         Unseen::LeftOut(_) => "parts left out in turn",
     };
     format!("; {} % on data not used ({on})", significant(unseen.percent(), 3))
+}
+
+/// Each use with its verdict.
+pub(in crate::report) fn uses_in_words(card: &Card) -> String {
+    let all = card.uses.iter().map(|u| format!("{}: {}", u.for_what.words(), u.verdict));
+    all.collect::<Vec<_>>().join("; ")
 }
 
 /// Whether the estimates are physically consistent.

@@ -11,7 +11,7 @@ use super::{
     sections::{
         self, closed_loop, diagnosis, facts,
         findings::{findings_text, of_runs_text},
-        hidden_bias, payload, physical, terms, user_runs,
+        hidden_bias, model, payload, physical, terms, user_runs,
     },
     tables::{self, Detail},
     wrap::{TextWidth, labelled, wrap},
@@ -33,6 +33,7 @@ pub fn all(results: &Results, published: Option<&Published>, width: TextWidth) -
         parts.extend(published.map(|p| self::published(results, p, case, width)));
     }
     parts.push(user_runs::text(results, width));
+    parts.push(model::text(results, width));
     parts.push(physical::text(results, width));
     parts.extend(payload::tables(results).iter().map(|table| table.to_text(width)));
     parts.push(terms::text(results, width));

@@ -27,6 +27,10 @@ const PAYLOAD_PERCENT: f64 = 2.0;
 /// controller old.
 const LATE_SAMPLES: f64 = 0.75;
 const LATE_S: f64 = 1e-3;
+/// Part of the strongest cause's evidence, below which a delay is what that cause left.
+const BY_ITSELF: f64 = 0.5;
+/// Torque of a joint, relative to the largest, that is rounding.
+const NO_TORQUE: f64 = 1e-9;
 /// Percent of the base parameters that the recordings must have decided for simulations to rest on them.
 const MOSTLY_DECIDED: f64 = 50.0;
 
@@ -37,7 +41,10 @@ pub(super) fn reasons(results: &Results, model: &ModelResult) -> Vec<VerdictReas
         reasons.extend(joints(results, error));
     }
     reasons.extend(far_from_fit(model));
-    let mut causes: Vec<VerdictReason> = model.causes.iter().filter_map(|c| cause(results, c)).collect();
+    let strongest = model.causes.first().map_or(0.0, |c| c.log10_probability);
+    let is_own = |c: &&ModelCause| c.kind != CauseKind::LateTorque || c.log10_probability < BY_ITSELF * strongest;
+    let mut causes: Vec<VerdictReason> =
+        model.causes.iter().filter(is_own).filter_map(|c| cause(results, c)).collect();
     if causes.is_empty() {
         causes.extend(structure(results, model));
     }
@@ -61,7 +68,7 @@ fn joints(results: &Results, error: &ModelError) -> Vec<VerdictReason> {
     };
     let largest = (0..error.joints.len()).map(torque).fold(0.0, f64::max);
     let of_joint = |j: usize| {
-        let percent = error.joints[j].percent.filter(|p| *p > POORLY_PERCENT)?;
+        let percent = error.joints[j].percent.filter(|p| *p > POORLY_PERCENT && torque(j) > NO_TORQUE * largest)?;
         let is_small = torque(j) < SMALL_TORQUE * largest;
         let label = results.joint_label(j);
         let (code, verdict) = match (percent > UNEXPLAINED_PERCENT, is_small) {

@@ -166,9 +166,9 @@ impl Proposal {
         let head = if self.recordings.len() == 1 { "[recording]" } else { "[[recording]]" };
         self.recordings.iter().for_each(|recording| text += &format!("\n{head}\n{}", recording.text()));
         text += &self.signal.text();
-        text += "\n# IDIM-IV tests IDIM-LS; without [controller] it simulates a guess of the closed loop, which is enough for it. \
+        text += "\n# Rows are weighted by joint. IDIM-IV tests IDIM-WLS; without [controller] it simulates a guess of the closed loop, which is enough for it. \
                  With\n# the controller's law in [controller] (docs/reference/experiments.md) \"didim\" can be added.\n\
-                 [estimation]\nmethods = [\"idim-ls\", \"idim-iv\"]\n";
+                 [estimation]\nmethods = [\"idim-wls\", \"idim-iv\"]\nweighting = { idim-iv = \"per-joint\" }\n";
         text
     }
 

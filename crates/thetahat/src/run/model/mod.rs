@@ -25,13 +25,15 @@ use thetahat_model::{
     consistency::{BaseKnowledge, ConsistentSet, bounds_of, interval_in, knowledge_of_base},
     robot::JointKind,
 };
-use thetahat_report::results::{ModelParameter, ModelResult, ModelStandardParameter, NOMINAL, RunResult};
+use thetahat_report::results::{ModelCause, ModelParameter, ModelResult, ModelStandardParameter, NOMINAL, RunResult};
 
 /// Velocities at which the sign of Coulomb friction is `tanh(1)`, rad/s; the first is the default.
 const TRANSITIONS: [f64; 5] = [0.03, 0.001, 0.003, 0.01, 0.1];
 /// Radians of a motor for each metre of a robot whose joints all slide: a pinion of 0.1 m.
 const SLIDING: f64 = 10.0;
 
+/// Half of a 95 % interval in deviations.
+const NORMAL_QUANTILE: f64 = 1.96;
 /// Weights of the belief, in long-run variances of the residual; the first is the default.
 const WEIGHTS: [f64; 7] = [1.0, 1e-3, 1e-2, 0.1, 10.0, 100.0, 1000.0];
 
@@ -100,7 +102,11 @@ impl Identification {
         let theta = problem.base.from_standard(&choice.standard);
         let speeds = Speeds::new(self, rows);
         let guessed = thetahat_model::consistency::stated_links(self.setup().robot);
+        let found = (&choice.standard[..], &choice.deviations[..], choice.transition);
+        let (causes, smallest_shown) = causes::causes(self, problem, rows, found);
         let knowledge = knowledge_of_base(set, &choice.data, choice.weight, &problem.base).ok();
+        let mut parameters = self.model_parameters(problem, set, &theta, knowledge.as_ref(), runs);
+        parameters.iter_mut().for_each(|p| p.interval_95 = p.interval_95.map(|interval| widened(interval, &p.name, &causes)));
         ModelResult {
             method: Method::IDIM_WLS,
             belief_weight: choice.weight,
@@ -110,9 +116,10 @@ impl Identification {
             candidates: choice.candidates.clone(),
             fit: errors(rows, &rows.x.times(&theta), None, &speeds),
             unseen: choice.unseen.as_ref().map(|unseen| errors(rows, &unseen.prediction, Some(&unseen.seen), &speeds)),
-            causes: causes::causes(self, problem, rows, (&choice.standard, &choice.deviations, choice.transition)),
+            causes,
+            smallest_shown,
             uses: Vec::new(),
-            parameters: self.model_parameters(problem, set, &theta, knowledge.as_ref(), runs),
+            parameters,
             covariance: knowledge.map(|k| lower_triangle(&k.covariance)).unwrap_or_default(),
             standard: standard_parameters(set, &choice.standard),
             seconds: 0.0,
@@ -146,6 +153,13 @@ impl Identification {
         };
         problem.base.parameters().iter().enumerate().map(parameter).collect()
     }
+}
+
+/// An interval that holds the value wherever one of the causes has moved it.
+fn widened([low, high]: [f64; 2], name: &str, causes: &[ModelCause]) -> [f64; 2] {
+    let moved = causes.iter().flat_map(|c| &c.moved).filter(|m| m.parameter == name).map(|m| m.deviations.abs());
+    let shift = moved.fold(0.0, f64::max) * 0.5 * (high - low) / NORMAL_QUANTILE;
+    [low - shift, high + shift]
 }
 
 /// The run whose intervals are those of the recordings alone: weighted least squares, or else plain.

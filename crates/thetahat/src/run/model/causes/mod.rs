@@ -12,11 +12,13 @@ use crate::{preparation::Problem, run::identification::Identification};
 use residual::{Found, Residual};
 use thetahat_ground::pool::in_parallel;
 use thetahat_model::dynamics::Sign;
-use thetahat_report::results::{CauseKind, ModelCause, MovedParameter};
+use thetahat_report::results::{CauseKind, ModelCause, MovedParameter, SmallestShown};
 use torques::Torques;
 
 /// log10 of the probability below which a cause is named: some 40 causes are tested.
 const NAMED: f64 = -5.0;
+/// The same in deviations of a cause that is one number.
+const NAMED_DEVIATIONS: f64 = 4.42;
 /// log10 of the probability above which a cause no longer shows once another is put in.
 const GONE: f64 = -3.0;
 /// Part of the strongest cause's evidence from which another counts as its rival.
@@ -44,11 +46,12 @@ pub(super) fn causes(
     problem: &Problem,
     rows: &ModelRows,
     (standard, deviations, transition): (&[f64], &[f64], f64),
-) -> Vec<ModelCause> {
+) -> (Vec<ModelCause>, Vec<SmallestShown>) {
+    let nothing = || (Vec::new(), Vec::new());
     let sign = Sign::Smooth { scale: transition };
-    let Some(torques) = Torques::new(identification, problem, rows, standard, sign) else { return Vec::new() };
+    let Some(torques) = Torques::new(identification, problem, rows, standard, sign) else { return nothing() };
     let Some(mut residual) = Residual::new(rows, deviations, torques.causes(identification.threads)) else {
-        return Vec::new();
+        return nothing();
     };
     let count = residual.candidates.len();
     let mut named: Vec<ModelCause> = Vec::new();
@@ -83,7 +86,31 @@ pub(super) fn causes(
             moved,
         });
     }
-    named
+    let smallest = (0..count).filter(|k| !put_in.contains(k)).filter_map(|k| smallest_shown(&residual, k)).collect();
+    (named, smallest)
+}
+
+/// The size of an error of the description that would be named, of a cause that is not.
+fn smallest_shown(residual: &Residual, candidate: usize) -> Option<SmallestShown> {
+    let cause = &residual.candidates[candidate].cause;
+    match cause.kind {
+        CauseKind::EncoderZero | CauseKind::GearRatio | CauseKind::Length => {}
+        CauseKind::LateTorque
+        | CauseKind::Elasticity
+        | CauseKind::Coupling
+        | CauseKind::LoadFriction
+        | CauseKind::SpeedFriction
+        | CauseKind::FrictionDrift
+        | CauseKind::Payload => return None,
+    }
+    let [_, deviation] = residual.test(candidate)?.size?;
+    let size = NAMED_DEVIATIONS * deviation;
+    (size < LARGEST).then(|| SmallestShown {
+        kind: cause.kind,
+        subject: cause.subject.clone(),
+        size,
+        unit: cause.unit.to_owned(),
+    })
 }
 
 impl Cause {

@@ -1,0 +1,200 @@
+//! The model: what it may be used for, its errors, what it is wrong in, and its parameters.
+
+use crate::{
+    report::{
+        number::{NONE, estimate, optional, significant},
+        section::Section,
+        table::{Group, Table, strings},
+        wrap::{TextWidth, wrap},
+    },
+    results::{
+        ModelCandidate, ModelCause, ModelJointError, ModelParameter, ModelResult, ModelStandardParameter, ModelUse,
+        Results,
+    },
+};
+
+pub(in crate::report) fn section(results: &Results) -> Section {
+    let lines: Vec<String> = results.no_model.iter().map(|why| format!("There is no model: {why}.")).collect();
+    let Some(model) = &results.model else {
+        return Section { id: "model", title: "The model", lines, ..Section::default() };
+    };
+    Section {
+        id: "model",
+        title: "The model",
+        lines: vec![what(model)],
+        tables: [Some(uses(model)), Some(errors(results, model)), causes(model)].into_iter().flatten().collect(),
+        folded: vec![parameters(model), standard(model), candidates(model)],
+        ..Section::default()
+    }
+}
+
+/// The model for the terminal: uses and errors.
+pub(in crate::report) fn brief(results: &Results, width: TextWidth) -> String {
+    let Some(model) = &results.model else {
+        return results.no_model.iter().map(|why| wrap(&format!("There is no model: {why}."), "", width)).collect();
+    };
+    let tables = [uses(model), errors(results, model)].map(|table| table.to_text(width));
+    tables.join("\n")
+}
+
+/// Every table, for the terminal.
+pub(in crate::report) fn text(results: &Results, width: TextWidth) -> String {
+    let Some(model) = &results.model else { return brief(results, width) };
+    let tables = [Some(uses(model)), Some(errors(results, model)), causes(model), Some(parameters(model))];
+    let further = [standard(model), candidates(model)];
+    let all = tables.into_iter().flatten().chain(further).map(|table| table.to_text(width));
+    [wrap(&what(model), "", width)].into_iter().chain(all).collect::<Vec<_>>().join("\n")
+}
+
+/// What it is, in a sentence or two.
+fn what(model: &ModelResult) -> String {
+    let guessed = match model.guessed_links.as_slice() {
+        [] => String::new(),
+        _ => " The bodies that the description lacks are guessed from its geometry.".to_owned(),
+    };
+    format!(
+        "The physically consistent robot that predict, export, generate and sample use. Before the recordings each a-priori body \
+         is believed to {} % (weight {}), friction and motor inertias to a factor of three. Coulomb friction changes its sign as \
+         tanh(dq / {}).{guessed}",
+        significant(model.belief_percent, 2),
+        significant(model.belief_weight, 3),
+        significant(model.friction_transition, 3)
+    )
+}
+
+fn uses(model: &ModelResult) -> Table {
+    let row = |u: &ModelUse| vec![u.for_what.words().to_owned(), u.verdict.name().to_owned()];
+    let why = |u: &ModelUse| format!("{}: {}", u.for_what.words(), u.why);
+    Table {
+        title: "The model may be used to".to_owned(),
+        lead: 1,
+        head: strings(&["use", "verdict"]),
+        rows: model.uses.iter().map(row).collect(),
+        notes: model.uses.iter().filter(|u| !u.why.is_empty()).map(why).collect(),
+        ..Table::default()
+    }
+}
+
+fn errors(results: &Results, model: &ModelResult) -> Table {
+    let (error, of) = match &model.unseen {
+        Some(unseen) => (unseen, "on unseen motion"),
+        None => (&model.fit, "on the motion that it is fitted to"),
+    };
+    let row = |(j, e): (usize, &ModelJointError)| {
+        vec![
+            results.joint_label(j),
+            optional(e.percent, 3),
+            optional(e.moving_percent, 3),
+            optional(e.near_rest_percent, 3),
+            significant(e.near_rest_share_percent, 2),
+            significant(e.rms, 3),
+        ]
+    };
+    let all = [vec!["all joints".to_owned(), significant(error.percent, 3)], vec![String::new(); 4]].concat();
+    Table {
+        title: format!("Errors of the model's torques {of}, percent of each torque"),
+        lead: 1,
+        groups: vec![Group { label: "samples".to_owned(), columns: 3 }, Group { label: String::new(), columns: 2 }],
+        head: strings(&["joint", "all", "moving", "near rest", "near rest, %", "rms, N m"]),
+        rows: error.joints.iter().enumerate().map(row).chain([all]).collect(),
+        notes: strings(&[
+            "Parts of the recordings are left out in turn: neither the fit nor the choice of the model has seen them. near rest, \
+             %: the share of the joint's samples at which it stands or turns back.",
+        ]),
+    }
+}
+
+fn causes(model: &ModelResult) -> Option<Table> {
+    let row = |c: &ModelCause| {
+        let moved: Vec<&str> = c.moved.iter().take(3).map(|m| m.parameter.as_str()).collect();
+        vec![
+            c.kind.with_subject(&c.subject),
+            c.size_in_words().unwrap_or_else(|| NONE.to_owned()),
+            format!("1e{:.0}", c.log10_probability),
+            significant(c.error_percent, 2),
+            if moved.is_empty() { NONE.to_owned() } else { moved.join(" ") },
+        ]
+    };
+    let rivals = model.causes.iter().filter(|c| !c.rivals.is_empty()).map(|c| {
+        format!("{} is not separated from {}", c.kind.with_subject(&c.subject), c.rivals.join(", "))
+    });
+    let smallest = (!model.smallest_shown.is_empty()).then(|| {
+        let all = model.smallest_shown.iter().map(|s| s.in_words()).collect::<Vec<_>>().join(", ");
+        format!("Not shown by these recordings, so that smaller errors can hide: {all}")
+    });
+    (!model.causes.is_empty() || smallest.is_some()).then(|| Table {
+        title: "What the residual says that the model or the recordings are wrong in".to_owned(),
+        lead: 1,
+        head: strings(&["cause", "size", "chance", "explains, %", "moved"]),
+        rows: model.causes.iter().map(row).collect(),
+        notes: rivals.chain(smallest).collect(),
+        ..Table::default()
+    })
+}
+
+fn parameters(model: &ModelResult) -> Table {
+    let row = |p: &ModelParameter| {
+        let half = p.interval_95.map(|[low, high]| 0.5 * (high - low));
+        let [low, high] = p.interval_95.filter(|_| p.is_decided()).map_or([NONE.to_owned(), NONE.to_owned()], |ends| {
+            ends.map(|end| estimate(end, half))
+        });
+        vec![
+            p.name.clone(),
+            estimate(p.value, half),
+            p.unit.clone(),
+            significant(p.a_priori, 3),
+            format!("{:.0}", p.decided_percent),
+            low,
+            high,
+        ]
+    };
+    Table {
+        title: "Base parameters of the model".to_owned(),
+        lead: 1,
+        head: strings(&["name", "value", "unit", "a priori", "decided, %", "95 % from", "to"]),
+        rows: model.parameters.iter().map(row).collect(),
+        notes: strings(&[
+            "decided: the percent of a parameter that the recordings decided; below 90 it is not quoted by itself. The interval is \
+             of the recordings alone, inside what a robot can have.",
+        ]),
+        ..Table::default()
+    }
+}
+
+fn standard(model: &ModelResult) -> Table {
+    let row = |p: &ModelStandardParameter| {
+        vec![p.name.clone(), significant(p.value, 4), p.unit.clone(), significant(p.a_priori, 4)]
+    };
+    Table {
+        title: "Standard parameters of the model".to_owned(),
+        lead: 1,
+        head: strings(&["name", "value", "unit", "believed before"]),
+        rows: model.standard.iter().map(row).collect(),
+        ..Table::default()
+    }
+}
+
+fn candidates(model: &ModelResult) -> Table {
+    let row = |c: &ModelCandidate| {
+        let [difference, error] = c.difference.map_or([NONE.to_owned(), NONE.to_owned()], |d| d.map(|v| significant(v, 3)));
+        vec![
+            significant(c.friction_transition, 3),
+            significant(c.belief_weight, 3),
+            significant(c.unseen_square, 4),
+            difference,
+            error,
+            if c.taken { "yes" } else { "" }.to_owned(),
+        ]
+    };
+    Table {
+        title: "Candidates for the model".to_owned(),
+        lead: 2,
+        head: strings(&["transition", "weight", "unseen", "difference", "its error", "taken"]),
+        rows: model.candidates.iter().map(row).collect(),
+        notes: strings(&[
+            "unseen: mean square of the errors on what is left out, in long-run variances of the residual. A candidate replaces the \
+             one that it challenges if it is better by more than two standard errors of the difference.",
+        ]),
+        ..Table::default()
+    }
+}
