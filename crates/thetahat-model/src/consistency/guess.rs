@@ -19,14 +19,12 @@ const USUAL_LENGTH: f64 = 0.3;
 const SLENDERNESS: f64 = 0.25;
 /// Smallest eigenvalue of a pseudo-inertia matrix, relative to the largest, with which a body is left unchanged.
 const THIN: f64 = 1e-9;
-/// First fraction of the guessed moments that is added to a link without volume; it is doubled until that is enough.
-const FIRST_PART: f64 = 0.125;
 
 /// The a-priori parameters of a robot, with pseudo-inertia matrices that are definite.
 ///
 /// A link with a mass and physically possible moments keeps them. A link with a mass and impossible moments keeps mass and
-/// first moments, and receives enough of the guessed second moments to make the matrix definite. A link without mass is
-/// guessed:
+/// centre of mass, and receives the guessed moments about that: none of the numbers that no body has is carried on. A link
+/// without mass is guessed:
 ///
 /// * its length is the mean distance of the joints that it carries from its own, for the last link half the mean length
 ///   of the others;
@@ -96,16 +94,22 @@ fn has_volume(p: &Symmetric) -> bool {
     matches!(p.eigenvalues().as_slice(), [smallest, .., largest] if *smallest > THIN * largest)
 }
 
-/// A link's pseudo-inertia matrix with guessed second moments added, or the guess if there is no mass.
+/// A link's mass and centre of mass with the guessed moments about it, or the guess if there is no mass.
 fn completed(given: &Symmetric, guess: &Symmetric) -> Symmetric {
     let (m, guessed) = (given.at(3, 3), guess.at(3, 3));
     if m.is_nan() || m <= 0.0 {
         return guess.clone();
     }
-    let mut moments = guess.times(m / guessed);
-    (0..4).for_each(|i| moments.add(i, 3, -moments.at(i, 3)));
-    let parts = (0..60).map(|k| given.plus(&moments, FIRST_PART * f64::from(1 << k.min(30))));
-    parts.into_iter().find(has_volume).unwrap_or_else(|| guess.times(m / guessed))
+    let mut body = Symmetric::zeros(4);
+    for i in 0..3 {
+        for j in 0..=i {
+            let about_centre = guess.at(i, j) - guess.at(3, i) * guess.at(3, j) / guessed;
+            body.add(i, j, m / guessed * about_centre + given.at(3, i) * given.at(3, j) / m);
+        }
+        body.add(3, i, given.at(3, i));
+    }
+    body.add(3, 3, m);
+    if has_volume(&body) { body } else { guess.times(m / guessed) }
 }
 
 /// The guessed pseudo-inertia matrix of each link, in its own axes.

@@ -27,8 +27,6 @@ const PAYLOAD_PERCENT: f64 = 2.0;
 /// controller old.
 const LATE_SAMPLES: f64 = 0.75;
 const LATE_S: f64 = 1e-3;
-/// Part of the strongest cause's evidence, below which a delay is what that cause left.
-const BY_ITSELF: f64 = 0.5;
 /// Torque of a joint, relative to the largest, that is rounding.
 const NO_TORQUE: f64 = 1e-9;
 /// Percent of the base parameters that the recordings must have decided for simulations to rest on them.
@@ -41,10 +39,10 @@ pub(super) fn reasons(results: &Results, model: &ModelResult) -> Vec<VerdictReas
         reasons.extend(joints(results, error));
     }
     reasons.extend(far_from_fit(model));
-    let strongest = model.causes.first().map_or(0.0, |c| c.log10_probability);
-    let is_own = |c: &&ModelCause| c.kind != CauseKind::LateTorque || c.log10_probability < BY_ITSELF * strongest;
-    let mut causes: Vec<VerdictReason> =
-        model.causes.iter().filter(is_own).filter_map(|c| cause(results, c)).collect();
+    // A delay that is weaker than another cause may be what that one left.
+    let is_own = |(k, c): &(usize, &ModelCause)| *k == 0 || c.kind != CauseKind::LateTorque;
+    let causes = model.causes.iter().enumerate().filter(is_own);
+    let mut causes: Vec<VerdictReason> = causes.filter_map(|(_, c)| cause(results, c)).collect();
     if causes.is_empty() {
         causes.extend(structure(results, model));
     }

@@ -7,21 +7,30 @@ use thetahat_report::results::{ModelError, ModelJointError};
 /// Velocity below which a joint is near rest where no rule says so, rad/s or m/s.
 const NEAR_REST: f64 = 0.04;
 
-/// Whether each row is near rest.
+/// Velocities over the transition of the friction at which its sign is settled: `tanh(4) = 0.9993`.
+const SETTLED: f64 = 4.0;
+
+/// What each row's joint does.
 pub(super) struct Speeds {
     near_rest: Vec<bool>,
+    /// Whether the sign of its friction is not settled there, or in the row before or after.
+    pub(super) turning: Vec<bool>,
 }
 
 impl Speeds {
-    pub(super) fn new(identification: &Identification, rows: &ModelRows) -> Self {
-        let near_rest = (0..rows.layout.joints()).flat_map(|j| {
-            identification.main.iter().zip(&rows.decimators).flat_map(move |(p, decimator)| {
-                let rule = p.filtered.near_rest.as_ref();
-                let limit = rule.map_or(NEAR_REST, |rule| rule.velocity[j]);
-                decimator.kept().map(move |k| p.filtered.motion.dq.sample(k)[j].abs() < limit)
-            })
-        });
-        Self { near_rest: near_rest.collect() }
+    pub(super) fn new(identification: &Identification, rows: &ModelRows, transition: f64) -> Self {
+        let (mut near_rest, mut turning) = (Vec::new(), Vec::new());
+        for j in 0..rows.layout.joints() {
+            for (p, decimator) in identification.main.iter().zip(&rows.decimators) {
+                let limit = p.filtered.near_rest.as_ref().map_or(NEAR_REST, |rule| rule.velocity[j]);
+                let speeds: Vec<f64> = decimator.kept().map(|k| p.filtered.motion.dq.sample(k)[j].abs()).collect();
+                let is_slow = |k: usize| speeds[k] < limit.max(SETTLED * transition);
+                near_rest.extend(speeds.iter().map(|speed| *speed < limit));
+                let neighbours = |k: usize| k.saturating_sub(1)..(k + 2).min(speeds.len());
+                turning.extend((0..speeds.len()).map(|k| neighbours(k).any(is_slow)));
+            }
+        }
+        Self { near_rest, turning }
     }
 }
 

@@ -100,10 +100,10 @@ impl Identification {
     ) -> ModelResult {
         let rows = &laws[choice.law];
         let theta = problem.base.from_standard(&choice.standard);
-        let speeds = Speeds::new(self, rows);
+        let speeds = Speeds::new(self, rows, choice.transition);
         let guessed = thetahat_model::consistency::stated_links(self.setup().robot);
         let found = (&choice.standard[..], &choice.deviations[..], choice.transition);
-        let (causes, smallest_shown) = causes::causes(self, problem, rows, found);
+        let (causes, smallest_shown) = causes::causes(self, problem, rows, &speeds, found);
         let knowledge = knowledge_of_base(set, &choice.data, choice.weight, &problem.base).ok();
         let mut parameters = self.model_parameters(problem, set, &theta, knowledge.as_ref(), runs);
         parameters.iter_mut().for_each(|p| p.interval_95 = p.interval_95.map(|interval| widened(interval, &p.name, &causes)));

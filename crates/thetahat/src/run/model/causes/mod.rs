@@ -7,7 +7,7 @@
 mod residual;
 mod torques;
 
-use super::rows::ModelRows;
+use super::{errors::Speeds, rows::ModelRows};
 use crate::{preparation::Problem, run::identification::Identification};
 use residual::{Found, Residual};
 use thetahat_ground::pool::in_parallel;
@@ -33,6 +33,7 @@ const INSTANTS: usize = 15;
 const MOVED: f64 = 1.0;
 
 /// A cause with its columns, in the rows of the model.
+#[derive(Debug, Clone)]
 pub(super) struct Cause {
     pub(super) kind: CauseKind,
     pub(super) subject: String,
@@ -45,17 +46,28 @@ pub(super) fn causes(
     identification: &Identification,
     problem: &Problem,
     rows: &ModelRows,
+    speeds: &Speeds,
     (standard, deviations, transition): (&[f64], &[f64], f64),
 ) -> (Vec<ModelCause>, Vec<SmallestShown>) {
     let nothing = || (Vec::new(), Vec::new());
     let sign = Sign::Smooth { scale: transition };
     let Some(torques) = Torques::new(identification, problem, rows, standard, sign) else { return nothing() };
-    let Some(mut residual) = Residual::new(rows, deviations, torques.causes(identification.threads)) else {
-        return nothing();
-    };
+    let candidates = torques.causes(identification.threads);
+    let late = candidates.iter().position(|c| c.kind == CauseKind::LateTorque);
+    // A delay shows where the torque changes: at reversals, which all others leave out.
+    let of_delay = late.and_then(|late| Residual::new(rows, deviations, &[], vec![candidates[late].clone()]));
+    let Some(mut residual) = Residual::new(rows, deviations, &speeds.turning, candidates) else { return nothing() };
     let count = residual.candidates.len();
     let mut named: Vec<ModelCause> = Vec::new();
     let mut put_in: Vec<usize> = Vec::new();
+    if let Some((late, of_delay)) = late.zip(of_delay) {
+        put_in.push(late);
+        if let Some(found) = of_delay.test(0).filter(|found| found.log10_p < NAMED) {
+            let moved = moved(&of_delay, problem, 0, &found);
+            named.push(ModelCause { moved, ..found.named(&of_delay.candidates[0].cause, Vec::new()) });
+            residual.put_in(late);
+        }
+    }
     while named.len() < MOST {
         let test = |k: usize| {
             let found = if put_in.contains(&k) { None } else { residual.test(k) };
@@ -74,18 +86,10 @@ pub(super) fn causes(
         let is_gone = |k: &&usize| residual.test(**k).is_none_or(|f| f.log10_p > GONE);
         let cause = |k: usize| &residual.candidates[k].cause;
         let name = |k: &usize| cause(*k).kind.with_subject(&cause(*k).subject);
-        named.push(ModelCause {
-            kind: cause(best).kind,
-            subject: cause(best).subject.clone(),
-            log10_probability: log10_p,
-            size: strongest.size.map(|s| s[0]),
-            standard_deviation: strongest.size.map(|s| s[1]),
-            unit: cause(best).unit.to_owned(),
-            error_percent: strongest.error_percent,
-            rivals: rivals.iter().filter(is_gone).map(name).collect(),
-            moved,
-        });
+        let rivals = rivals.iter().filter(is_gone).map(name).collect();
+        named.push(ModelCause { moved, ..strongest.named(cause(best), rivals) });
     }
+    named.sort_by(|a, b| a.log10_probability.total_cmp(&b.log10_probability));
     let smallest = (0..count).filter(|k| !put_in.contains(k)).filter_map(|k| smallest_shown(&residual, k)).collect();
     (named, smallest)
 }
@@ -111,6 +115,23 @@ fn smallest_shown(residual: &Residual, candidate: usize) -> Option<SmallestShown
         size,
         unit: cause.unit.to_owned(),
     })
+}
+
+impl Found {
+    /// The cause with what was found of it.
+    fn named(&self, cause: &Cause, rivals: Vec<String>) -> ModelCause {
+        ModelCause {
+            kind: cause.kind,
+            subject: cause.subject.clone(),
+            log10_probability: self.log10_p,
+            size: self.size.map(|s| s[0]),
+            standard_deviation: self.size.map(|s| s[1]),
+            unit: cause.unit.to_owned(),
+            error_percent: self.error_percent,
+            rivals,
+            moved: Vec::new(),
+        }
+    }
 }
 
 impl Cause {

@@ -44,8 +44,11 @@ pub(super) struct Found {
 }
 
 impl Residual {
-    pub(super) fn new(rows: &ModelRows, deviations: &[f64], causes: Vec<Cause>) -> Option<Self> {
-        let scale: Vec<f64> = rows.layout.spread(|block| 1.0 / deviations[block.joint]);
+    /// The residual in all rows, or without those that are left out: near rest the torque depends on what friction did
+    /// before, and on how well the reversal is sampled.
+    pub(super) fn new(rows: &ModelRows, deviations: &[f64], left_out: &[bool], causes: Vec<Cause>) -> Option<Self> {
+        let mut scale: Vec<f64> = rows.layout.spread(|block| 1.0 / deviations[block.joint]);
+        scale.iter_mut().zip(left_out).filter(|(_, out)| **out).for_each(|(s, _)| *s = 0.0);
         let x = rows.x.scale_rows(&scale);
         let factor = PivotedQr::with_equal_columns(&x);
         let rank = factor.rank(RANK);
