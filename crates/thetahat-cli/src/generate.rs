@@ -29,16 +29,18 @@ struct Source {
     about: Vec<String>,
     /// The files that were read.
     files: Vec<PathBuf>,
+    /// Velocity at which the friction changes its sign.
+    friction_transition: Option<f64>,
 }
 
 pub fn run(request: &Generate) -> Result<Ending, Box<dyn Error>> {
-    let Source { robot, theta, about, files } = read(request)?;
+    let Source { robot, theta, about, files, friction_transition } = read(request)?;
     if let Some(path) = &request.out {
         OutputGuard::new(files, request.force.force).file(path)?;
     }
     let parameters = if request.base { ParameterSet::Base } else { ParameterSet::Standard };
     let model = Request { model: request.model, parameters, values: theta, drives: request.drives, about };
-    let function = Function::new(&robot, &model)?;
+    let function = Function::new(&robot, &model)?.with_friction_transition(friction_transition);
     let code = request.to.code(&function, request.name.as_deref())?;
     let Some(path) = &request.out else {
         print(&code)?;
@@ -67,7 +69,7 @@ fn read_robot(request: &Generate, path: &Path) -> Result<Source, Box<dyn Error>>
         GeneratedParameters::Values => Some(robot.a_priori_parameters()),
     };
     let files = [Some(path.to_owned()), source.urdf_path().map(Path::to_owned)].into_iter().flatten().collect();
-    Ok(Source { robot, theta, about: Vec::new(), files })
+    Ok(Source { robot, theta, about: Vec::new(), files, friction_transition: None })
 }
 
 fn read_results(request: &Generate, path: PathBuf) -> Result<Source, Box<dyn Error>> {
@@ -89,13 +91,14 @@ fn read_results(request: &Generate, path: PathBuf) -> Result<Source, Box<dyn Err
         GeneratedParameters::Values => Some(identified.theta()),
     };
     let mut about = vec![identified.origin()];
-    if theta.is_some() {
+    if theta.is_some() && identified.model.is_none() {
         about.push(
             "values are estimates of base parameters, each assigned to the standard parameter of the same name"
                 .to_owned(),
         );
     }
-    Ok(Source { robot: identified.robot, theta, about, files: identified.files })
+    let friction_transition = identified.model.as_ref().map(|model| model.friction_transition);
+    Ok(Source { robot: identified.robot, theta, about, files: identified.files, friction_transition })
 }
 
 /// Whether a file begins like JSON; its reader reports a file that cannot be read.

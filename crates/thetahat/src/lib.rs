@@ -188,8 +188,9 @@ pub mod checks {
 pub mod results {
     #[doc(inline)]
     pub use thetahat_report::results::{
-        CampaignResults, Card, DesignResults, JointResult, NOMINAL, NotExamined, ParameterResult, Prediction,
-        ProfiledTerm, ReasonCode, RecordingFindings, ResultsError, RunResult, SideBySide, Verdict, VerdictReason,
+        CampaignResults, Card, DesignResults, JointResult, ModelResult, NOMINAL, NotExamined, ParameterResult,
+        Prediction, ProfiledTerm, ReasonCode, RecordingFindings, ResultsError, RunResult, SideBySide, Verdict,
+        VerdictReason,
     };
 }
 

@@ -64,6 +64,8 @@ pub struct Function {
     pub snapped: Vec<Snapped>,
     /// Rows and columns of the output.
     pub shape: [usize; 2],
+    /// Velocity v of `tanh(dq / v)` in place of the sign of a velocity; none for the sign itself.
+    pub friction_transition: Option<f64>,
     /// The operations.
     pub program: Program,
 }
@@ -99,8 +101,15 @@ impl Function {
             shape: made.shape(),
             values: made.values,
             snapped,
+            friction_transition: None,
             program,
         })
+    }
+
+    /// The same whose Coulomb friction changes its sign as `tanh(dq / v)`, rad/s or m/s; none for the sign itself.
+    #[must_use]
+    pub fn with_friction_transition(self, friction_transition: Option<f64>) -> Self {
+        Self { friction_transition, ..self }
     }
 }
 

@@ -43,7 +43,7 @@ from .errors import (
 from .estimation import Fit, estimate, measurement_vector, observation_matrix
 from .identification import Filter, choose_filter, identify, run
 from .recording import Recording, read, read_all
-from .results import Advice, Parameter, Result, Run
+from .results import Advice, Model, ModelParameter, Parameter, Result, Run
 from .robot import BaseParameter, Robot
 from .signal import Motion, band_pass, decimate, derivative, zero_phase
 from .simulation import Simulated, simulate
@@ -73,6 +73,8 @@ __all__ = [
     "ExperimentError",
     "Filter",
     "Fit",
+    "Model",
+    "ModelParameter",
     "Motion",
     "Parameter",
     "PrecisionWarning",

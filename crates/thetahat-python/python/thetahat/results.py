@@ -44,6 +44,78 @@ class Parameter(NamedTuple):
     """Of a twin."""
 
 
+class ModelParameter(NamedTuple):
+    """A base parameter of the model."""
+
+    name: str
+    """Name of the base parameter."""
+    value: float
+    """SI."""
+    a_priori: float
+    """Value of the a-priori robot."""
+    decided_percent: float
+    """Percent of it that the recordings decided; below 90 it is not to be quoted by itself."""
+    interval_95: tuple[float, float] | None
+    """The 95 % interval of the recordings alone, widened by what the named causes may have moved."""
+    unit: str
+    """SI unit."""
+    expression: str
+    """Regrouping formula."""
+
+
+class Model:
+    """The physically consistent robot that predictions and exports use: ``model["m3"]`` is a standard parameter."""
+
+    def __init__(self, data: dict[str, Any]) -> None:
+        self._data = data
+        self._standard = {p["name"]: float(p["value"]) for p in data["standard"]}
+
+    @property
+    def parameters(self) -> list[ModelParameter]:
+        """All base parameters."""
+        keys = ("name", "value", "a_priori", "decided_percent", "interval_95", "unit", "expression")
+        rows = [{**p, "interval_95": tuple(p["interval_95"]) if p["interval_95"] else None} for p in self._data["parameters"]]
+        return [ModelParameter(*(row[key] for key in keys)) for row in rows]
+
+    @property
+    def standard(self) -> dict[str, float]:
+        """All standard parameters by name, SI."""
+        return dict(self._standard)
+
+    @property
+    def friction_transition(self) -> float:
+        """Velocity v of ``tanh(dq / v)``, the sign of the Coulomb friction, rad/s or m/s."""
+        return float(self._data["friction_transition"])
+
+    @property
+    def belief_weight(self) -> float:
+        """Weight of the belief in the a-priori robot, in long-run variances of the residual."""
+        return float(self._data["belief_weight"])
+
+    @property
+    def unseen_percent(self) -> float | None:
+        """Error of its torques on motion that neither fit nor choice has seen, percent of all torques."""
+        unseen = self._data["unseen"]
+        return None if unseen is None else float(unseen["percent"])
+
+    @property
+    def uses(self) -> dict[str, str]:
+        """The verdict on each use: ``predict-torques``, ``simulate``, ``quote-single-values``."""
+        return {use["for_what"]: use["verdict"] for use in self._data["uses"]}
+
+    @property
+    def causes(self) -> list[dict[str, Any]]:
+        """What the model or the recordings are wrong in, the strongest evidence first."""
+        causes: list[dict[str, Any]] = self._data.get("causes", [])
+        return causes
+
+    def __getitem__(self, name: str) -> float:
+        return self._standard[name]
+
+    def __repr__(self) -> str:
+        return f"Model(belief_weight={self.belief_weight:g}, unseen_percent={self.unseen_percent}, uses={self.uses})"
+
+
 class Advice(NamedTuple):
     """The recommended method of a case."""
 
@@ -254,6 +326,12 @@ class Result:
         return [self._run(number) for number in range(len(self._runs))]
 
     @property
+    def model(self) -> Model | None:
+        """The model that :meth:`predict` and :meth:`export` use; None if there is none, as without torques."""
+        model = self._data.get("model")
+        return None if model is None else Model(model)
+
+    @property
     def best(self) -> Run:
         """The recommended nominal run; for reductions, which have no advice, that of IDIM-IV or otherwise IDIM-LS.
 
@@ -325,7 +403,7 @@ class Result:
         to : {"urdf", "mjcf", "sdf", "json"}, optional
             The format; by default that of the file's extension, where ``.xml`` is MJCF.
         method : str, optional
-            The method of the estimates; by default the recommended one.
+            The method of the estimates; by default the model.
         untrusted : bool
             Whether results whose verdict is ``"do-not-use"`` are exported.
         force : bool
@@ -349,7 +427,7 @@ class Result:
         >>> twin = th.testing.twin(seconds=10)
         >>> result = th.identify(twin.robot, twin.recording, cutoff_hz=40, decimation=10)
         >>> remarks = result.export(os.path.join(tempfile.mkdtemp(), "arm_identified.urdf"))
-        >>> remarks[0].startswith("identified by")
+        >>> remarks[0].startswith("the model")
         True
         """
         file = os.fspath(path)
@@ -364,7 +442,7 @@ class Result:
         q, dq, ddq : array_like (n,) or (samples, n)
             The motion.
         run : Run, optional
-            The run of the estimates; by default :attr:`best`.
+            The run of the estimates; by default the :attr:`model`, whose friction changes its sign smoothly.
 
         Returns
         -------
@@ -372,16 +450,22 @@ class Result:
             Torques, N m or N.
         """
         robot = self._robot()
-        return robot.inverse_dynamics(q, dq, ddq, theta=self.standard_parameters(run=run))
+        model = self.model if run is None else None
+        scale = None if model is None else model.friction_transition
+        return robot.inverse_dynamics(q, dq, ddq, theta=self.standard_parameters(run=run), sign_velocity_scale=scale)
 
     def standard_parameters(self, *, run: Run | None = None) -> Array:
-        """Standard parameters with the torques of the estimates: regrouped ones are zero, fixed ones at their values.
+        """Standard parameters: those of the model, or with the torques of a run's estimates, where regrouped ones are zero and
+        fixed ones at their values.
 
         Returns
         -------
         ndarray (p,)
         """
-        robot, run = self._robot(), self.best if run is None else run
+        robot, model = self._robot(), self.model if run is None else None
+        if model is not None:
+            return np.array([model.standard[name] for name in robot.parameter_names])
+        run = self.best if run is None else run
         estimates = dict(zip(run.names, run.estimates.tolist(), strict=True))
         if not estimates:
             raise ResultsError(f"{run.method} has no estimate in the case {run.case}: {run.reason or run.status}")

@@ -2,7 +2,13 @@
 
 use std::path::Path;
 
-use super::{error::ReportError, series::write_series, verdict, wrap::TextWidth};
+use super::{
+    error::ReportError,
+    number::significant,
+    series::write_series,
+    verdict,
+    wrap::{TextWidth, wrap},
+};
 use crate::results::Prediction;
 use thetahat_ground::visible::visible;
 
@@ -33,7 +39,23 @@ pub fn prediction_text(prediction: &Prediction, width: TextWidth) -> String {
     if prediction.near_rest.iter().any(|part| *part > 0.0) {
         text += "moving: without the samples near rest, where the friction's sign is not known\n";
     }
+    text += &left_open(prediction, width);
     text + "\n" + &verdict::inherited(prediction.verdict, &prediction.verdict_reasons, width)
+}
+
+/// How far belief and recordings determine the torques of this motion.
+fn left_open(prediction: &Prediction, width: TextWidth) -> String {
+    if prediction.left_open_percent.is_empty() {
+        return String::new();
+    }
+    let joints = prediction.joints.iter().zip(&prediction.left_open_percent);
+    let each: Vec<String> =
+        joints.map(|(joint, open)| format!("{} {} %", visible(joint), significant(*open, 2))).collect();
+    let text = format!(
+        "left open on this motion by the recordings and the a-priori robot, as a deviation of each torque: {}",
+        each.join(", ")
+    );
+    wrap(&text, "", width)
 }
 
 fn percent(value: Option<f64>) -> String {

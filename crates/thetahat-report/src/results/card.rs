@@ -363,7 +363,11 @@ mod tests {
         assert_eq!((card.source, card.relative_error_percent), (None, None));
         assert!(card.parameters.iter().all(Vec::is_empty), "{card:?}");
         results.advice.clear();
-        assert_eq!(results.card().source, Some(EstimateSource::Run(Method::IDIM_LS)), "a reduction is solved without advice");
+        assert_eq!(
+            results.card().source,
+            Some(EstimateSource::Run(Method::IDIM_LS)),
+            "a reduction is solved without advice"
+        );
     }
 
     #[test]

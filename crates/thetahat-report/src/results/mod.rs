@@ -74,7 +74,8 @@ pub use grade::Grade;
 pub use joints::JointResult;
 pub use limited::Limited;
 pub use model::{
-    CauseKind, ModelCandidate, ModelCause, ModelError, ModelJointError, ModelParameter, ModelResult, ModelStandardParameter, ModelUse, SmallestShown, UseGrade,
+    CauseKind, ModelCandidate, ModelCause, ModelError, ModelJointError, ModelParameter, ModelResult,
+    ModelStandardParameter, ModelUse, SmallestShown, UseGrade,
 };
 pub use parameters::{EliminationResult, ParameterResult};
 pub use payload::{DriveGainResult, PayloadParameter, PayloadResult};

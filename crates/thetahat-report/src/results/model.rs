@@ -138,7 +138,8 @@ impl ModelResult {
     /// of its covariance, and its standard parameters as the consistent estimate.
     #[must_use]
     pub fn as_run(&self, case: &str) -> RunResult {
-        let deviation = |i: usize| self.covariance.get((i + 1) * (i + 2) / 2 - 1).copied().unwrap_or(0.0).max(0.0).sqrt();
+        let deviation =
+            |i: usize| self.covariance.get((i + 1) * (i + 2) / 2 - 1).copied().unwrap_or(0.0).max(0.0).sqrt();
         let parameter = |(i, p): (usize, &ModelParameter)| ParameterResult {
             name: p.name.clone(),
             estimate: p.value,

@@ -10,7 +10,9 @@ use super::{
     card::Unseen,
     content::Results,
     estimate::{EstimateSource, NoEstimate},
-    parameters::ParameterResult, run::RunResult, verdict::Verdict,
+    parameters::ParameterResult,
+    run::RunResult,
+    verdict::Verdict,
 };
 use thetahat_estimation::identification::Method;
 
@@ -234,7 +236,11 @@ mod tests {
         let mut two = [results(LS, 1.0, 1.5), results(LS, 2.0, 1.5)];
         two.iter_mut().for_each(|(_, results)| results.advice.clear());
         let compared = SideBySide::new(&two, "nominal", None).unwrap();
-        assert!(compared.sides.iter().all(|side| side.source == EstimateSource::Run(Method::IDIM_LS)), "{:?}", compared.sides);
+        assert!(
+            compared.sides.iter().all(|side| side.source == EstimateSource::Run(Method::IDIM_LS)),
+            "{:?}",
+            compared.sides
+        );
     }
 
     #[test]

@@ -10,7 +10,7 @@ use thetahat_estimation::{checks::Code, identification::Method};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// The numbers of the recommended method can be used.
+    /// The model can be used; without a model, the numbers of the recommended method.
     Good,
     /// They can be used after reading the reasons.
     Care,

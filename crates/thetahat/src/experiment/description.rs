@@ -14,8 +14,8 @@ use serde::{
 
 use super::{error::ExperimentError, paths};
 use crate::preparation::{
-    Case, EstimationOptions, ModelOptions, ParameterSelection, Payload, PreparationError, ReferenceCorrection, Settings, Setup,
-    SignalOptions, SimulationOptions,
+    Case, EstimationOptions, ModelOptions, ParameterSelection, Payload, PreparationError, ReferenceCorrection,
+    Settings, Setup, SignalOptions, SimulationOptions,
 };
 use thetahat_data::recording::ChannelSource;
 use thetahat_estimation::{control::ControllerDescription, simulation::Sensors};

@@ -190,7 +190,8 @@ impl IdentifiedRobot {
         let Self { run, case, verdict, verdict_reasons, model, .. } = self;
         let parameters = run.parameters.iter().map(|p| (p.name.clone(), p.estimate)).collect();
         let verdict = (*verdict, verdict_reasons.clone());
-        let estimate = Identified { case, source: self.source_of_estimates(), parameters, model: model.as_ref(), verdict };
+        let estimate =
+            Identified { case, source: self.source_of_estimates(), parameters, model: model.as_ref(), verdict };
         predict_torques(self.setup(), &estimate, recording)
     }
 

@@ -89,7 +89,8 @@ fn left_open(model: &ModelResult, rows: &Regression, prediction: &[f64]) -> Vec<
     let spread = rows.x.times_matrix(&covariance);
     let variance = |k: usize| (0..rows.x.columns()).map(|c| spread.at(k, c) * rows.x.at(k, c)).sum::<f64>();
     let of_joint = |j: usize| {
-        let sums = rows.layout.rows_of_joint(j).fold([0.0; 2], |[v, s], k| [v + variance(k), s + prediction[k].powi(2)]);
+        let sums =
+            rows.layout.rows_of_joint(j).fold([0.0; 2], |[v, s], k| [v + variance(k), s + prediction[k].powi(2)]);
         100.0 * (sums[0] / sums[1].max(f64::MIN_POSITIVE)).sqrt()
     };
     (0..rows.layout.joints()).map(of_joint).collect()
@@ -118,7 +119,9 @@ fn widest_cutoff(setup: Setup<'_>, model: &ModelResult, filtered: &FilteredRecor
     let inertias = joint_inertias(setup, model, filtered);
     let is_quiet = |cutoff_hz: &f64| {
         let settings = with_cutoff(setup.settings, *cutoff_hz);
-        let Ok(motion) = (Setup { settings: &settings, ..setup }).band_pass(&recording.position, rate) else { return false };
+        let Ok(motion) = (Setup { settings: &settings, ..setup }).band_pass(&recording.position, rate) else {
+            return false;
+        };
         let densities = noise_densities(&recording.position, &motion.q, &filtered.window, rate, *cutoff_hz);
         let acceleration = |density: &f64| (TAU.powi(4) * density * cutoff_hz.powi(5) / 5.0).sqrt();
         let torques = densities.iter().map(acceleration).zip(&inertias).map(|(a, inertia)| a * inertia);

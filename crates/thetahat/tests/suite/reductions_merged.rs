@@ -281,8 +281,10 @@ fn findings_travel_through_the_file_to_the_verdict() {
     reduction.write(&folder.0.at("negated.reduction")).unwrap();
     let read = Reduction::read(&folder.0.at("negated.reduction")).unwrap();
     let solved = read.solve().unwrap().results;
-    let reasons = |r: &Results| r.verdict_reasons.iter().map(|r| (r.code, r.verdict)).collect::<Vec<_>>();
-    assert_eq!((solved.verdict, reasons(&solved)), (identified.verdict, reasons(&identified)));
+    // The reasons of the recordings are the same; the others are of the model there, and of the estimates here.
+    let of_checks = |r: &Results| r.verdict_reasons.iter().any(|r| r.code == ReasonCode::CheckProblem);
+    assert_eq!((solved.verdict, of_checks(&solved)), (identified.verdict, of_checks(&identified)));
+    assert!(solved.model.is_none() && solved.no_model.is_some(), "{:?}", solved.no_model);
     let findings = |r: &Results| r.findings.iter().flat_map(|r| r.findings.clone()).collect::<Vec<_>>();
     assert_eq!((findings(&solved), solved.not_examined.len()), (findings(&identified), 0));
     let merged = reduction.merge(folder.reduce(&recordings[1], SIGNAL).unwrap()).unwrap().solve().unwrap().results;

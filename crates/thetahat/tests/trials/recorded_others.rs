@@ -9,6 +9,7 @@ use thetahat::{
     results::{ReasonCode, Verdict},
 };
 use thetahat_model::robot::INERTIAL;
+use thetahat_report::results::UseGrade;
 use thetahat_testing::ensure;
 
 /// The estimates of others from these records differ by their filters: 15 % of each.
@@ -96,13 +97,17 @@ fn ur10_iv() -> Result<(), Failed> {
     [None, Some(5.0), Some(20.0), Some(80.0)].into_iter().try_for_each(|hz| ensure_iv("ur10.toml", hz, 3.3))
 }
 
-/// Recordings that others published estimates from ask for care: every one has a residual that is no noise.
+/// Recordings that others published estimates from ask for care: every one has a residual that is no noise, and a model that
+/// predicts their torques.
 fn verdicts() -> Result<(), Failed> {
     for name in ["tx40_paper.toml", "emps.toml", "kuka_lwr4.toml", "ur10.toml"] {
         let results = identify(name);
         let codes: Vec<ReasonCode> = results.verdict_reasons.iter().map(|r| r.code).collect();
         let said = format!("{name}: {:?}", results.verdict_reasons);
-        ensure(results.verdict == Some(Verdict::Care) && codes.contains(&ReasonCode::CorrelatedResidual), said)?;
+        let is_doubted = codes.iter().any(|c| matches!(c, ReasonCode::CorrelatedResidual | ReasonCode::Cause));
+        ensure(results.verdict == Some(Verdict::Care) && is_doubted, &*said)?;
+        let uses = &results.model.as_ref().unwrap().uses;
+        ensure(uses[0].for_what == UseGrade::PredictTorques && uses[0].verdict == Verdict::Good, format!("{uses:?}"))?;
     }
     Ok(())
 }

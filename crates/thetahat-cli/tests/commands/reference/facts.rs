@@ -283,7 +283,7 @@ pub const FINDINGS: [[&str; 4]; 41] = [
 ];
 
 /// Code, what asks for care, what forbids the use, and what to do.
-pub const REASONS: [[&str; 4]; 16] = [
+pub const REASONS: [[&str; 4]; 17] = [
     ["check-problem", "", "a problem of the checks in a recording that was used", "that of the finding"],
     [
         "recordings-disagree",
@@ -299,21 +299,21 @@ pub const REASONS: [[&str; 4]; 16] = [
     ],
     [
         "not-converged",
-        "a nominal run did not converge, and the advice takes another method",
-        "the advice takes none",
+        "without a model: a nominal run did not converge, and the advice takes another method",
+        "without a model: the advice takes none",
         "leave the method out, or read its reason",
     ],
-    ["undecided", "", "the advice takes no method", "`held = true`, or a wider `mask`; compare again"],
+    ["undecided", "", "without a model: the advice takes no method", "`held = true`, or a wider `mask`; compare again"],
     [
         "nothing-explained",
         "",
-        "no joint is explained better than by a constant",
+        "the model leaves more than {diagnosis/verdict/model TOO_LITTLE_PERCENT} % of the torques of unseen motion; without a model: no joint is explained better than by a constant",
         "check that the torques belong to this motion and this robot",
     ],
     [
         "joint-not-explained",
-        "a joint of a recording that is held back is predicted worse than by zero",
-        "a joint is explained no better than by a constant (p above {results/diagnosis LIMIT}), or predicted worse than by zero",
+        "the model leaves more than {diagnosis/verdict/model UNEXPLAINED_PERCENT} % of a torque that is small against the others",
+        "the same of a torque that is not; without a model: a joint is explained no better than by a constant (p above {results/diagnosis LIMIT}), or predicted worse than by zero",
         "check the joint's torque column; record longer where rows are too few",
     ],
     [
@@ -325,37 +325,37 @@ pub const REASONS: [[&str; 4]; 16] = [
     ["check-warning", "any other warning in a recording that was used", "", "that of the finding"],
     [
         "cross-validation",
-        "error on data not used above {diagnosis/verdict/estimates CROSS_VALIDATION} times that of the fit",
-        "above {diagnosis/verdict/estimates CROSS_VALIDATION_FAR} times; or above {diagnosis/verdict/estimates CROSS_VALIDATION} times and {diagnosis/verdict/estimates USELESS_PERCENT} % of the torque",
+        "the model's error on unseen motion above {diagnosis/verdict/model FAR_FROM_FIT} times that of its fit, and above {diagnosis/verdict/model STRUCTURE_PERCENT} % of the torques; without a model: above {diagnosis/verdict/estimates CROSS_VALIDATION} times",
+        "without a model: above {diagnosis/verdict/estimates CROSS_VALIDATION_FAR} times; or above {diagnosis/verdict/estimates CROSS_VALIDATION} times and {diagnosis/verdict/estimates USELESS_PERCENT} % of the torque",
         "`estimate = \"essential\"`, or record more motion",
     ],
     [
         "joint-poorly-explained",
-        "the joint with the largest error keeps more than {diagnosis/verdict/estimates POORLY_PERCENT} % of its torque",
+        "a joint keeps more than {diagnosis/verdict/model POORLY_PERCENT} % of its torque",
         "",
         "look at the joint's residual in the report",
     ],
     [
         "not-physical",
-        "links are inconsistent by more than noise explains; or a motor inertia or friction coefficient has an interval below zero",
-        "the latter significant after Bonferroni correction at {run/physical/not_physical CHANCE}, where the joint's residual is noise",
+        "without a model: links are inconsistent by more than noise explains; or a motor inertia or friction coefficient has an interval below zero",
+        "without a model: the latter significant after Bonferroni correction at {run/physical/not_physical CHANCE}, where the joint's residual is noise",
         "that of the finding",
     ],
     [
         "last-resort",
-        "only a method that fits the simulated loop can be taken",
+        "without a model: only a method that fits the simulated loop can be taken",
         "",
         "record torques for `idim-iv`, or compare with a second recording",
     ],
     [
         "correlated-residual",
-        "neighbouring rows of a joint's residual correlate by more than {diagnosis/verdict/estimates WHITE} plus {diagnosis/verdict/estimates MORE_DEVIATIONS} / sqrt(rows)",
+        "what neighbouring rows predict of the model's residual is above {diagnosis/verdict/model STRUCTURE_PERCENT} % of the torques, and no cause is named; without a model: neighbouring rows of a joint's residual correlate by more than {diagnosis/verdict/estimates WHITE} plus {diagnosis/verdict/estimates MORE_DEVIATIONS} / sqrt(rows)",
         "",
         "`compare_terms = true`; look at the residual over velocity, position and load",
     ],
     [
         "influence",
-        "an estimate changes by more than {diagnosis/verdict/estimates INFLUENCE} standard deviations without one part of the data",
+        "without a model: an estimate changes by more than {diagnosis/verdict/estimates INFLUENCE} standard deviations without one part of the data",
         "",
         "look at that part, and record more like it",
     ],
@@ -364,5 +364,11 @@ pub const REASONS: [[&str; 4]; 16] = [
         "fewer than {diagnosis/verdict/recordings FEWEST_ROWS} rows for each parameter",
         "",
         "record longer, or lower `decimation`",
+    ],
+    [
+        "cause",
+        "a [cause](../manual/what_you_get.md#what-the-model-can-be-wrong-in) has a probability below 1e-5 by chance; a delay counts from {diagnosis/verdict/model LATE_SAMPLES} samples and {diagnosis/verdict/model LATE_S} s",
+        "a payload that is picked up or put down explains more than {diagnosis/verdict/model PAYLOAD_PERCENT} % of the torques",
+        "that of the cause",
     ],
 ];

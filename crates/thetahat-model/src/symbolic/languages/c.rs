@@ -84,11 +84,7 @@ static inline THETAHAT_REAL thetahat_cos(const double x) {
 #define THETAHAT_SINCOS(x, s, c) ((s) = THETAHAT_SIN(x), (c) = THETAHAT_COS(x))
 #endif
 
-/* The sign of a velocity: -1, 0 or 1. A smooth one serves simulations, such as tanh((x) / 0.01). */
-#ifndef THETAHAT_SIGN
-#define THETAHAT_SIGN(x) ((x) > 0 ? (THETAHAT_REAL)1 : (x) < 0 ? (THETAHAT_REAL)-1 : (THETAHAT_REAL)0)
-#endif
-
+@SIGN@
 /* The function of one state belongs into the loop over a batch, which compilers then put into vectors. */
 #ifndef THETAHAT_INLINE
 #if defined(__GNUC__)
@@ -114,6 +110,23 @@ static inline THETAHAT_REAL thetahat_cos(const double x) {
 #define THETAHAT_LINKAGE
 #endif
 ";
+
+/// The macro of the sign of a velocity, or of its smooth form.
+fn sign(friction_transition: Option<f64>) -> String {
+    match friction_transition {
+        None => "\
+/* The sign of a velocity: -1, 0 or 1. A smooth one serves simulations, such as tanh((x) / 0.01). */
+#ifndef THETAHAT_SIGN
+#define THETAHAT_SIGN(x) ((x) > 0 ? (THETAHAT_REAL)1 : (x) < 0 ? (THETAHAT_REAL)-1 : (THETAHAT_REAL)0)
+#endif
+"
+        .to_owned(),
+        Some(v) => format!(
+            "/* The sign of a velocity, as the model's friction changes it. */\n#ifndef THETAHAT_SIGN\n#include <math.h>\n#define \
+             THETAHAT_SIGN(x) ((THETAHAT_REAL)tanh((x) / {v:?}))\n#endif\n"
+        ),
+    }
+}
 
 struct C;
 
@@ -171,6 +184,7 @@ pub(super) fn code(function: &Function, prefix: &str) -> String {
         "/*\n{} */\n#ifndef {guard}\n#define {guard}\n\n{PRELUDE}\n",
         comment.replace("*/", "* /").replace("/*", "/ *")
     );
+    text = text.replacen("@SIGN@", &sign(function.friction_transition), 1);
     if function.program.calls_functions() {
         text += "#include <math.h>\n\n";
     }

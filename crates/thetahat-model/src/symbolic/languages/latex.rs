@@ -107,7 +107,10 @@ impl<'a> Writer<'a> {
         match kind {
             Kind::Sine(a) => call("\\sin", a),
             Kind::Cosine(a) => call("\\cos", a),
-            Kind::Sign(a) => call("\\operatorname{sign}", a),
+            Kind::Sign(a) => match self.function.friction_transition {
+                Some(v) => Text::atom(format!("\\tanh\\left(\\left({}\\right) / {v}\\right)", of(a).text)),
+                None => call("\\operatorname{sign}", a),
+            },
             Kind::Sum(a, b) => Text { text: format!("{} + {}", of(a).text, of(b).text), strength: Strength::Sum },
             Kind::Difference(a, b) => Text {
                 text: format!("{} - {}", of(a).text, of(b).at_least(Strength::Product)),

@@ -8,7 +8,9 @@ use super::{
 };
 use crate::robot::MathFunction;
 
-struct Matlab;
+struct Matlab {
+    friction_transition: Option<f64>,
+}
 
 impl Syntax for Matlab {
     fn number(&self, value: f64) -> String {
@@ -34,7 +36,10 @@ impl Syntax for Matlab {
         let name = match function {
             Call::Sine => "sin",
             Call::Cosine => "cos",
-            Call::Sign => "sign",
+            Call::Sign => match self.friction_transition {
+                Some(v) => return format!("tanh(({argument}) / {v:?})"),
+                None => "sign",
+            },
         };
         format!("{name}({argument})")
     }
@@ -54,6 +59,7 @@ impl Syntax for Matlab {
 
 pub(super) fn code(function: &Function, prefix: &str) -> String {
     let (parts, output) = (Parts::new(&function.program), output_name(function.model));
+    let syntax = Matlab { friction_transition: function.friction_transition };
     let ([rows, columns], name) = (function.shape, format!("{prefix}_{}", function.model.identifier()));
     let inputs = function.model.inputs().iter().map(|array| array_name(*array));
     let theta = (!parts.constants.is_empty()).then_some("theta");
@@ -64,7 +70,7 @@ pub(super) fn code(function: &Function, prefix: &str) -> String {
         text.push('\n');
     }
     text += &format!("    % A row for each state; the file is {name}.m. {}\n", shape(function));
-    parts.all(&Matlab).iter().for_each(|line| text += &format!("{line}\n"));
+    parts.all(&syntax).iter().for_each(|line| text += &format!("{line}\n"));
     let single = function.model.is_vector();
     let states = format!("size({}, 1)", arguments[0]);
     text += &if single {
@@ -72,7 +78,7 @@ pub(super) fn code(function: &Function, prefix: &str) -> String {
     } else {
         format!("    {output} = zeros({rows}, {columns}, {states});\n")
     };
-    for (place, value) in parts.outputs_of_all(&Matlab).iter().enumerate() {
+    for (place, value) in parts.outputs_of_all(&syntax).iter().enumerate() {
         let (row, column) = (place / columns + 1, place % columns + 1);
         let entry = if single { format!("(:, {row})") } else { format!("({row}, {column}, :)") };
         text += &format!("    {output}{entry} = {value};\n");

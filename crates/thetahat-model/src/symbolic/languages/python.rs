@@ -8,7 +8,9 @@ use super::{
 };
 use crate::robot::MathFunction;
 
-struct Python;
+struct Python {
+    friction_transition: Option<f64>,
+}
 
 impl Syntax for Python {
     fn number(&self, value: f64) -> String {
@@ -33,7 +35,10 @@ impl Syntax for Python {
         let name = match function {
             Call::Sine => "sin",
             Call::Cosine => "cos",
-            Call::Sign => "sign",
+            Call::Sign => match self.friction_transition {
+                Some(v) => return format!("np.tanh(({argument}) / {v:?})"),
+                None => "sign",
+            },
         };
         format!("np.{name}({argument})")
     }
@@ -49,6 +54,7 @@ impl Syntax for Python {
 
 pub(super) fn code(function: &Function, prefix: &str) -> String {
     let (parts, output) = (Parts::new(&function.program), output_name(function.model));
+    let syntax = Python { friction_transition: function.friction_transition };
     let inputs: Vec<&str> = function.model.inputs().iter().map(|array| array_name(*array)).collect();
     let takes_parameters = !parts.constants.is_empty();
     let mut text = format!("\"\"\"{}\n\"\"\"\n\nimport numpy as np\n\n\n", documentation(function));
@@ -65,9 +71,9 @@ pub(super) fn code(function: &Function, prefix: &str) -> String {
     }
     let shapes: Vec<String> = inputs.iter().map(|name| format!("{name}.shape[:-1]")).collect();
     text += &format!("    states = np.broadcast_shapes({})\n", shapes.join(", "));
-    parts.all(&Python).iter().for_each(|line| text += &format!("{line}\n"));
+    parts.all(&syntax).iter().for_each(|line| text += &format!("{line}\n"));
     text += &format!("    {output} = np.empty(states + ({},))\n", parts_count(function));
-    for (place, value) in parts.outputs_of_all(&Python).iter().enumerate() {
+    for (place, value) in parts.outputs_of_all(&syntax).iter().enumerate() {
         text += &format!("    {output}[..., {place}] = {value}\n");
     }
     text + &result(function)

@@ -23,6 +23,14 @@ fn sign(x: Real) -> Real {
 
 ";
 
+/// The sign of a velocity, or its smooth form, which needs the standard library.
+fn sign(friction_transition: Option<f64>) -> String {
+    friction_transition.map_or_else(
+        || SIGN.to_owned(),
+        |v| format!("/// `tanh(x / {v:?})`, of the standard library.\nfn sign(x: Real) -> Real {{\n    (x / {v:?}).tanh()\n}}\n\n"),
+    )
+}
+
 struct Rust;
 
 impl Syntax for Rust {
@@ -76,7 +84,7 @@ pub(super) fn code(function: &Function, prefix: &str) -> String {
         );
     }
     if function.program.count().signs > 0 {
-        text += SIGN;
+        text += &sign(function.friction_transition);
     }
     text += &file.prepare();
     text + &file.single() + &file.batch()

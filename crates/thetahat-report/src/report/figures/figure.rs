@@ -70,6 +70,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use crate::results::EstimateSource;
 
     fn run(method: &str, status: &str) -> String {
         format!(

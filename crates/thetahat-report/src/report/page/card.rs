@@ -110,7 +110,11 @@ fn facts(card: &Card, verdict: Verdict) -> Vec<(&'static str, String)> {
     let physical = physical.map(|physical| ("Physically possible", physically(physical).to_owned()));
     let at = |(name, error): &(String, f64)| format!(" overall, {} at {name}", percent(*error));
     let worst = card.worst_joint.as_ref().map(at).unwrap_or_default();
-    let of = if card.source == Some(EstimateSource::Run(Method::CLOE)) { "Error of the positions" } else { "Error of the torque" };
+    let of = if card.source == Some(EstimateSource::Run(Method::CLOE)) {
+        "Error of the positions"
+    } else {
+        "Error of the torque"
+    };
     let error = card.relative_error_percent.map(|error| (of, percent(error) + &worst));
     let none = (verdict == Verdict::DoNotUse).then(|| ("Parameters to use", "none".to_owned()));
     let uses = (!card.uses.is_empty()).then(|| ("It may be used to", uses_in_words(card)));

@@ -115,9 +115,11 @@ fn causes(model: &ModelResult) -> Option<Table> {
             if moved.is_empty() { NONE.to_owned() } else { moved.join(" ") },
         ]
     };
-    let rivals = model.causes.iter().filter(|c| !c.rivals.is_empty()).map(|c| {
-        format!("{} is not separated from {}", c.kind.with_subject(&c.subject), c.rivals.join(", "))
-    });
+    let rivals = model
+        .causes
+        .iter()
+        .filter(|c| !c.rivals.is_empty())
+        .map(|c| format!("{} is not separated from {}", c.kind.with_subject(&c.subject), c.rivals.join(", ")));
     let smallest = (!model.smallest_shown.is_empty()).then(|| {
         let all = model.smallest_shown.iter().map(|s| s.in_words()).collect::<Vec<_>>().join(", ");
         format!("Not shown by these recordings, so that smaller errors can hide: {all}")
@@ -135,9 +137,10 @@ fn causes(model: &ModelResult) -> Option<Table> {
 fn parameters(model: &ModelResult) -> Table {
     let row = |p: &ModelParameter| {
         let half = p.interval_95.map(|[low, high]| 0.5 * (high - low));
-        let [low, high] = p.interval_95.filter(|_| p.is_decided()).map_or([NONE.to_owned(), NONE.to_owned()], |ends| {
-            ends.map(|end| estimate(end, half))
-        });
+        let [low, high] = p
+            .interval_95
+            .filter(|_| p.is_decided())
+            .map_or([NONE.to_owned(), NONE.to_owned()], |ends| ends.map(|end| estimate(end, half)));
         vec![
             p.name.clone(),
             estimate(p.value, half),
@@ -176,7 +179,8 @@ fn standard(model: &ModelResult) -> Table {
 
 fn candidates(model: &ModelResult) -> Table {
     let row = |c: &ModelCandidate| {
-        let [difference, error] = c.difference.map_or([NONE.to_owned(), NONE.to_owned()], |d| d.map(|v| significant(v, 3)));
+        let [difference, error] =
+            c.difference.map_or([NONE.to_owned(), NONE.to_owned()], |d| d.map(|v| significant(v, 3)));
         vec![
             significant(c.friction_transition, 3),
             significant(c.belief_weight, 3),

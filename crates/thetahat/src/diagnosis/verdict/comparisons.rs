@@ -38,6 +38,15 @@ fn not_converged(run: &RunResult, taken: Option<Method>) -> VerdictReason {
     reason(ReasonCode::NotConverged, verdict, &numbers, concerned, said)
 }
 
+/// What the methods of the nominal case say of a model: one run never condemns another, but values that differ between methods are
+/// not to be quoted.
+pub(super) fn of_model(results: &Results) -> Option<VerdictReason> {
+    nominal_advice(results).filter(|a| a.recommended.is_none())?;
+    let test = nominal_diagnosis(results)?.biased_simulator.as_ref();
+    let differing = differing(test.filter(|t| t.verdict == Comparison::Undecided)?);
+    Some(VerdictReason { verdict: Verdict::Care, ..differing })
+}
+
 /// No method to take, where it is not a problem of the recordings that says so.
 fn undecided(results: &Results) -> Option<VerdictReason> {
     let advice = nominal_advice(results).filter(|a| a.recommended.is_none())?;

@@ -289,7 +289,7 @@ fn influence(run: &RunResult) -> Option<VerdictReason> {
 }
 
 /// The correlation of neighbouring rows from which a residual is no noise.
-fn correlated_from(results: &Results, run: &RunResult) -> f64 {
+pub(super) fn correlated_from(results: &Results, run: &RunResult) -> f64 {
     let rows = results.decimated_rows as f64 / run.joint_relative_error_percent.len().max(1) as f64;
     WHITE + MORE_DEVIATIONS / rows.sqrt()
 }

@@ -26,7 +26,10 @@ pub(crate) fn judge(results: &mut Results) -> Verdict {
 fn reasons(results: &Results) -> Vec<VerdictReason> {
     let mut reasons = recordings::reasons(results);
     match &results.model {
-        Some(model) => reasons.extend(model::reasons(results, model)),
+        Some(model) => {
+            reasons.extend(model::reasons(results, model));
+            reasons.extend(comparisons::of_model(results));
+        }
         None => {
             reasons.extend(comparisons::reasons(results));
             reasons.extend(estimates::reasons(results));

@@ -1,6 +1,9 @@
 //! What the model says of itself: whether it predicts, and what it is wrong in.
 
-use super::reason::{ReasonText, reason};
+use super::{
+    estimates::correlated_from,
+    reason::{ReasonText, reason},
+};
 use thetahat_ground::number::significant;
 use thetahat_report::results::{
     CauseKind, ModelCause, ModelError, ModelResult, ModelUse, ReasonCode, ReasonSubject, Results, RunResult, UseGrade,
@@ -145,17 +148,18 @@ fn cause(results: &Results, found: &ModelCause) -> Option<VerdictReason> {
 
 fn remedy(found: &ModelCause) -> String {
     match found.kind {
-        CauseKind::LateTorque => match found.size {
-            Some(size) => format!("set delay_s = {:.4} of the torque", size),
-            None => "set delay_s of the torque".to_owned(),
-        },
+        CauseKind::LateTorque => {
+            "set delay_s of the torque as the finding lag says, or compare the clocks of the channels".to_owned()
+        }
         CauseKind::EncoderZero => format!("check the zero of {} against the description", found.subject),
         CauseKind::GearRatio => format!("check the gear ratio of {}", found.subject),
         CauseKind::Elasticity => "stay below its resonance, or record behind the gear".to_owned(),
         CauseKind::Length => "check the lengths of the description".to_owned(),
         CauseKind::Coupling => "state the coupling in [transmission] of the robot".to_owned(),
         CauseKind::LoadFriction => "add a [[term]] of kind load-friction".to_owned(),
-        CauseKind::SpeedFriction => "compare_terms = true in [estimation], and add the [[term]] that it recommends".to_owned(),
+        CauseKind::SpeedFriction => {
+            "compare_terms = true in [estimation], and add the [[term]] that it recommends".to_owned()
+        }
         CauseKind::FrictionDrift => "warm the robot up before recording".to_owned(),
         CauseKind::Payload => "cut the recording where the load changes, or state [[payload]]".to_owned(),
     }
@@ -164,7 +168,7 @@ fn remedy(found: &ModelCause) -> String {
 /// What neighbouring rows predict of the residual, percent of all torques, where no cause that was tested explains it.
 fn structure(results: &Results, model: &ModelResult) -> Option<VerdictReason> {
     let run = results.runs.iter().find(|r| r.residual.is_some() && !r.is_of_positions())?;
-    let percent = structure_percent(run, model);
+    let percent = structure_percent(results, run, model);
     let seen = format!(
         "{} % of the torques are left in errors that last, and no cause that was tested explains them: the model predicts as \
          its error says, but true values may lie outside the intervals of single parameters",
@@ -177,11 +181,12 @@ fn structure(results: &Results, model: &ModelResult) -> Option<VerdictReason> {
         .then(|| reason(ReasonCode::CorrelatedResidual, Verdict::Care, &numbers, subject, said))
 }
 
-/// `100 sqrt(sum_j r1_j e_j^2 / sum_j tau_j^2)` of the joints' residuals e and their correlation r1 of neighbouring rows.
-fn structure_percent(run: &RunResult, model: &ModelResult) -> f64 {
+/// `100 sqrt(sum_j r_j e_j^2 / sum_j tau_j^2)` of the joints' residuals e, with the correlation r of neighbouring rows above that of
+/// white noise after the filters.
+fn structure_percent(results: &Results, run: &RunResult, model: &ModelResult) -> f64 {
     let correlated = |j: usize| {
         let residual = run.residual.iter().flat_map(|r| &r.joints).find(|r| r.joint == j + 1);
-        residual.map_or(0.0, |r| r.autocorrelation.max(0.0))
+        residual.map_or(0.0, |r| (r.autocorrelation - correlated_from(results, run)).max(0.0))
     };
     let joints = &model.fit.joints;
     let lasting: f64 = joints.iter().enumerate().map(|(j, e)| correlated(j) * e.rms.powi(2)).sum();
@@ -217,7 +222,14 @@ pub(super) fn uses(model: &ModelResult, reasons: &[VerdictReason]) -> Vec<ModelU
         })
     });
     let moves_values = |r: &&VerdictReason| {
-        matches!(r.code, ReasonCode::Cause | ReasonCode::CorrelatedResidual | ReasonCode::Lag | ReasonCode::CheckWarning)
+        matches!(
+            r.code,
+            ReasonCode::Cause
+                | ReasonCode::Undecided
+                | ReasonCode::CorrelatedResidual
+                | ReasonCode::Lag
+                | ReasonCode::CheckWarning
+        )
     };
     let quote = match reasons.iter().find(moves_values) {
         Some(reason) => Some(reason.seen().to_owned()),

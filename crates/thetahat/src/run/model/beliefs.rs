@@ -94,7 +94,8 @@ fn fitted(problem: &Problem, rows: &ModelRows, set: &ConsistentSet) -> Vec<f64> 
         true => 1.0,
         false => gram.at(i, j),
     };
-    let solved = Matrix::from_fn(drives.len(), drives.len(), entry).cholesky().map(|f| f.solve(&x.transpose_times(&rest)));
+    let solved =
+        Matrix::from_fn(drives.len(), drives.len(), entry).cholesky().map(|f| f.solve(&x.transpose_times(&rest)));
     let mut out = vec![0.0; table.len()];
     for (c, value) in drives.iter().zip(solved.unwrap_or_default()) {
         out[columns[*c]] = value;

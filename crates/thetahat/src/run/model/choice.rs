@@ -364,8 +364,13 @@ mod tests {
     }
 
     #[test]
-    fn a_series_that_holds_each_value_twice_has_a_larger_long_run_deviation() {
-        let white: Vec<f64> = (0..400).map(|k| if (k * 7919) % 13 < 6 { 1.0 } else { -1.0 }).collect();
+    fn a_series_that_holds_each_value_twice_has_a_larger_deviation_of_its_mean() {
+        let mut state = 1_u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as f64 / (1_u64 << 31) as f64 - 0.5
+        };
+        let white: Vec<f64> = (0..400).map(|_| next()).collect();
         let held: Vec<f64> = white.iter().flat_map(|v| [*v, *v]).collect();
         assert!(long_run_deviation(&held) > 1.2 * long_run_deviation(&white));
         assert_eq!(long_run_deviation(&[0.0; 8]), 0.0);

@@ -106,7 +106,9 @@ impl Identification {
         let (causes, smallest_shown) = causes::causes(self, problem, rows, &speeds, found);
         let knowledge = knowledge_of_base(set, &choice.data, choice.weight, &problem.base).ok();
         let mut parameters = self.model_parameters(problem, set, &theta, knowledge.as_ref(), runs);
-        parameters.iter_mut().for_each(|p| p.interval_95 = p.interval_95.map(|interval| widened(interval, &p.name, &causes)));
+        parameters
+            .iter_mut()
+            .for_each(|p| p.interval_95 = p.interval_95.map(|interval| widened(interval, &p.name, &causes)));
         ModelResult {
             method: Method::IDIM_WLS,
             belief_weight: choice.weight,
@@ -120,7 +122,7 @@ impl Identification {
             smallest_shown,
             uses: Vec::new(),
             parameters,
-            covariance: knowledge.map(|k| lower_triangle(&k.covariance)).unwrap_or_default(),
+            covariance: knowledge.map(|k| lower_triangle(&k.covariance, &theta)).unwrap_or_default(),
             standard: standard_parameters(set, &choice.standard),
             seconds: 0.0,
         }
@@ -171,8 +173,14 @@ fn free_run(runs: &[RunResult]) -> Option<&RunResult> {
     of(Method::IDIM_WLS).or_else(|| of(Method::IDIM_LS))
 }
 
-fn lower_triangle(matrix: &Matrix) -> Vec<f64> {
-    (0..matrix.rows()).flat_map(|i| (0..=i).map(move |j| matrix.at(i, j))).collect()
+/// Deviation of a parameter whose value is given, over the value or over one: next to none, so that the covariance stays regular.
+const OF_GIVEN: f64 = 1e-9;
+
+/// The lower triangle of a covariance, row by row.
+fn lower_triangle(covariance: &Matrix, values: &[f64]) -> Vec<f64> {
+    let least = |i: usize| (OF_GIVEN * values[i].abs().max(1.0)).powi(2);
+    let entry = |i: usize, j: usize| if i == j { covariance.at(i, i) + least(i) } else { covariance.at(i, j) };
+    (0..covariance.rows()).flat_map(|i| (0..=i).map(move |j| entry(i, j))).collect()
 }
 
 fn standard_parameters(set: &ConsistentSet, standard: &[f64]) -> Vec<ModelStandardParameter> {

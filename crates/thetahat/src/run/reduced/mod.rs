@@ -123,7 +123,9 @@ impl ReducedIdentification<'_> {
             runs,
             user_runs: Vec::new(),
             model: None,
-            no_model: None,
+            no_model: Some(
+                "the factors of a reduction hold no samples near rest; identify the recordings for one".to_owned(),
+            ),
             payloads: Vec::new(),
             drive_gains: Vec::new(),
             experiment_description: String::new(),

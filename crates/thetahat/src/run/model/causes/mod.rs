@@ -54,7 +54,8 @@ pub(super) fn causes(
     let Some(torques) = Torques::new(identification, problem, rows, standard, sign) else { return nothing() };
     let candidates = torques.causes(identification.threads);
     let late = candidates.iter().position(|c| c.kind == CauseKind::LateTorque);
-    // A delay shows where the torque changes: at reversals, which all others leave out.
+    // A delay shows where the torque changes: at reversals, which all others leave out. Its size is too small where the position
+    // filter rings at rests: the check of lags measures it better.
     let of_delay = late.and_then(|late| Residual::new(rows, deviations, &[], vec![candidates[late].clone()]));
     let Some(mut residual) = Residual::new(rows, deviations, &speeds.turning, candidates) else { return nothing() };
     let count = residual.candidates.len();

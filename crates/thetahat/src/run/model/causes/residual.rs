@@ -70,8 +70,7 @@ impl Residual {
     /// What a cause explains of the residual; none if no motion of the recordings shows it.
     pub(super) fn test(&self, candidate: usize) -> Option<Found> {
         let Candidate { cause, sizes, columns, .. } = &self.candidates[candidate];
-        let seen: Vec<usize> =
-            (0..columns.columns()).filter(|&c| norm(columns.column(c)) > SEEN * sizes[c]).collect();
+        let seen: Vec<usize> = (0..columns.columns()).filter(|&c| norm(columns.column(c)) > SEEN * sizes[c]).collect();
         if seen.is_empty() || self.rest.len() <= seen.len() {
             return None;
         }

@@ -96,11 +96,7 @@ impl<'a> Torques<'a> {
     }
 
     /// The column of torques that `changed` gives, as a difference over a step.
-    fn difference(
-        &self,
-        step: f64,
-        changed: impl Fn(&FilteredRecording) -> Option<Series>,
-    ) -> Option<Vec<f64>> {
+    fn difference(&self, step: f64, changed: impl Fn(&FilteredRecording) -> Option<Series>) -> Option<Vec<f64>> {
         let mut torques = Vec::new();
         for (recording, predicted) in self.recordings().zip(&self.predicted) {
             let mut torque = changed(recording)?;
@@ -172,10 +168,10 @@ impl<'a> Torques<'a> {
         self.robot.joints[self.robot.joint_of(j)].kind
     }
 
-    /// Torques that are d late are `tau - d dtau/dt`.
+    /// Torques that are d late are `tau - d dtau/dt`, by the slope of the predicted torque, which has no noise.
     fn late_torque(&self) -> Option<Vec<f64>> {
-        let slopes = self.recordings().map(|recording| {
-            let mut slope = slope(&recording.centred_torque(), recording.recording.sample_rate_hz);
+        let slopes = self.recordings().zip(&self.predicted).map(|(recording, predicted)| {
+            let mut slope = slope(predicted, recording.recording.sample_rate_hz);
             slope.values_mut().iter_mut().for_each(|v| *v = -*v);
             slope
         });
@@ -246,7 +242,13 @@ impl<'a> Torques<'a> {
         let crossed = |of: fn(&Motion) -> &Series| {
             self.each(move |r, k, j| {
                 let values = of(&r.motion).sample(k);
-                if j == i { values[i + 1] } else if j == i + 1 { values[i] } else { 0.0 }
+                if j == i {
+                    values[i + 1]
+                } else if j == i + 1 {
+                    values[i]
+                } else {
+                    0.0
+                }
             })
         };
         let friction = self.each(|r, k, j| {
@@ -286,7 +288,8 @@ impl<'a> Torques<'a> {
     fn speed_friction(&self) -> Vec<Option<Vec<f64>>> {
         let mut columns = Vec::new();
         for joint in 0..self.joints() {
-            let peak = self.recordings().flat_map(|r| (0..r.motion.dq.len()).map(|k| r.motion.dq.sample(k)[joint].abs()));
+            let peak =
+                self.recordings().flat_map(|r| (0..r.motion.dq.len()).map(|k| r.motion.dq.sample(k)[joint].abs()));
             let peak = peak.fold(0.0, f64::max);
             for part in SPEEDS {
                 columns.push(self.each(|r, k, j| {

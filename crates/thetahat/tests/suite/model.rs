@@ -1,0 +1,154 @@
+//! The model of a twin with known parameters: what it predicts, which doors take it, and what it names.
+
+use std::{path::Path, sync::OnceLock};
+
+use thetahat::{
+    Experiment, Identification, Method, Results, Series, Settings,
+    experiment::{EstimateRequest, IdentifiedRobot},
+    export::{ExportFormat, IdentifiedModel},
+    preparation::Recording,
+    results::{ModelResult, Verdict},
+};
+use thetahat_report::results::{CauseKind, ModelParameter, UseGrade};
+
+fn experiment() -> Experiment {
+    let mut experiment = Experiment::demo().unwrap();
+    experiment.settings.estimation.methods = vec![Method::IDIM_LS];
+    experiment.settings.estimation.weighting.clear();
+    experiment.settings.cases.clear();
+    experiment
+}
+
+/// The recording with a tenth of its noise.
+fn recording() -> Recording {
+    let mut experiment = experiment();
+    let sensors = &mut experiment.file.twin.as_mut().unwrap().sensors;
+    sensors.torque_noise.iter_mut().for_each(|noise| *noise *= 0.1);
+    experiment.recordings(Path::new("")).unwrap().remove(0)
+}
+
+fn identify(recording: Recording) -> Results {
+    let Experiment { robot, settings, .. } = experiment();
+    Identification::new(&robot, vec![recording], settings).unwrap().run().unwrap()
+}
+
+fn clean() -> &'static Results {
+    static RESULTS: OnceLock<Results> = OnceLock::new();
+    RESULTS.get_or_init(|| experiment().run(Path::new(""), &mut |_| {}).unwrap())
+}
+
+fn model(results: &Results) -> &ModelResult {
+    results.model.as_ref().unwrap_or_else(|| panic!("{:?}", results.no_model))
+}
+
+/// What exists as a robot can be exported, and predicts unseen motion about as well as the fit says.
+#[test]
+fn it_is_a_robot_that_predicts() {
+    let (results, model) = (clean(), model(clean()));
+    let (fit, unseen) = (model.fit.percent, model.unseen.as_ref().unwrap().percent);
+    assert!(unseen < 1.5 * fit, "{unseen} % of unseen motion, {fit} % of the fit");
+    let masses = model.standard.iter().filter(|p| p.unit == "kg" && p.name.starts_with('m'));
+    assert!(masses.clone().count() == 6 && masses.clone().all(|p| p.value > 0.0), "{:?}", model.standard);
+    assert!(model.parameters.iter().all(|p| (0.0..=100.0).contains(&p.decided_percent)), "{:?}", model.parameters);
+    assert_eq!(model.uses[0].for_what, UseGrade::PredictTorques);
+    assert_eq!(model.uses[0].verdict, Verdict::Good, "{:?}", results.verdict_reasons);
+    assert!(model.candidates.iter().filter(|c| c.taken).count() >= 1);
+}
+
+/// Each decided value is nearer to the truth than its interval's width, or no quotation could hold.
+#[test]
+fn decided_values_are_near_the_truth() {
+    let decided = model(clean()).parameters.iter().filter(|p| p.is_decided());
+    let near = |p: &&ModelParameter| {
+        let [low, high] = p.interval_95.unwrap();
+        (p.value - p.true_value.unwrap()).abs() <= high - low
+    };
+    let (count, held) = (decided.clone().count(), decided.filter(near).count());
+    assert!(count >= 25 && held as f64 >= 0.95 * count as f64, "{held} of {count}");
+}
+
+/// By default predictions and exports take the model, and a run by its method's name.
+#[test]
+fn it_is_what_doors_take() {
+    let of = |method| {
+        let request = EstimateRequest { method, untrusted: true, ..EstimateRequest::default() };
+        IdentifiedRobot::of_results(Path::new("results.json"), clean(), &request).unwrap()
+    };
+    let standard: Vec<f64> = model(clean()).standard.iter().map(|p| p.value).collect();
+    assert_eq!(of(None).theta(), standard);
+    assert!(of(None).origin().starts_with("the model"), "{}", of(None).origin());
+    assert!(of(Some(Method::IDIM_LS)).model.is_none());
+}
+
+/// Fifteen samples late, 3 ms at 5 kHz.
+#[test]
+fn late_torques_are_named_with_their_delay() {
+    let clean = recording();
+    let torque = clean.torque.as_ref().unwrap();
+    let late: Vec<f64> = (0..torque.len()).flat_map(|k| torque.sample(k.saturating_sub(15)).to_vec()).collect();
+    let torque = Some(Series::from_values(torque.channels(), late).unwrap());
+    let delay_s = 15.0 / clean.sample_rate_hz;
+    let results = identify(Recording { torque, ..clean });
+    let cause = &model(&results).causes[0];
+    assert_eq!(cause.kind, CauseKind::LateTorque, "{:?}", model(&results).causes);
+    // The twin stands still between its moves, where the filter rings: the size is a lower bound.
+    let size = cause.size.unwrap();
+    assert!(size > 0.0 && size < 1.2 * delay_s, "{size} s of {delay_s}");
+}
+
+/// The zero of joint 2 by 0.1 rad: the cause, or a rival that the recording cannot tell from it.
+#[test]
+fn a_wrong_encoder_zero_is_among_what_is_named() {
+    let clean = recording();
+    let mut position = clean.position.clone();
+    (0..position.len()).for_each(|k| position.sample_mut(k)[1] += 0.1);
+    let results = identify(Recording { position, ..clean });
+    let zero = CauseKind::EncoderZero.with_subject("joint 2");
+    let named = model(&results).causes.iter().flat_map(|c| {
+        let own = c.kind.with_subject(&c.subject);
+        [own].into_iter().chain(c.rivals.clone())
+    });
+    assert!(named.clone().any(|name| name == zero), "{:?}", named.collect::<Vec<_>>());
+    assert_eq!(results.verdict, Some(Verdict::Care), "{:?}", results.verdict_reasons);
+}
+
+/// A recording of another robot's torques has a model that is not to be used.
+#[test]
+fn torques_that_do_not_belong_are_refused() {
+    let clean = recording();
+    let torque = clean.torque.as_ref().unwrap();
+    let other: Vec<f64> = (0..torque.len())
+        .flat_map(|k| {
+            let t = k as f64 / clean.sample_rate_hz;
+            (0..torque.channels()).map(move |j| (2.0 + j as f64) * (1.7 * t + j as f64).sin())
+        })
+        .collect();
+    let torque = Some(Series::from_values(torque.channels(), other).unwrap());
+    let results = identify(Recording { torque, ..clean });
+    assert_eq!(results.verdict, Some(Verdict::DoNotUse), "{:?}", results.verdict_reasons);
+    assert!(model(&results).uses.iter().all(|u| u.verdict == Verdict::DoNotUse));
+}
+
+/// A friction that a data sheet gives holds in the model, its export, and every sample of it.
+#[test]
+fn the_model_is_exported_as_it_is_and_samples_keep_what_is_given() {
+    let mut experiment = experiment();
+    let fv1 = clean().runs[0].parameter("fv1").unwrap().estimate;
+    let known = format!("[[parameters.known]]\nkind = \"parameter\"\nname = \"fv1\"\nvalue = {fv1}\n");
+    let stated: Settings = toml::from_str(&format!("{known}[signal]\ncutoff_hz = 50\ndecimation = 10\n")).unwrap();
+    experiment.settings.parameters.known = stated.parameters.known;
+    experiment.settings.parameters.physical = true;
+    let results = experiment.run(Path::new(""), &mut |_| {}).unwrap();
+    let request = EstimateRequest { untrusted: true, ..EstimateRequest::default() };
+    let exported = IdentifiedModel::of_results(Path::new("results.json"), &results, &request).unwrap();
+    let standard: Vec<f64> = model(&results).standard.iter().map(|p| p.value).collect();
+    assert_eq!(exported.standard, standard);
+    exported.export(ExportFormat::Urdf).unwrap().check().unwrap();
+    let place = exported.identified.robot.parameter_table().index_of("fv1").unwrap();
+    assert!((standard[place] - fv1).abs() < 1e-9 * fv1);
+    for number in 1..=3 {
+        let sample = exported.sample(number, 1).unwrap();
+        assert!((sample.standard[place] - fv1).abs() < 1e-6 * fv1, "{} {fv1}", sample.standard[place]);
+    }
+    exported.covariance_json().unwrap();
+}
