@@ -104,16 +104,18 @@ fn results_give_their_estimates() {
     let printed = generate(&folder, &arguments);
     succeeded(&printed);
     let text = String::from_utf8(printed.stdout).unwrap();
-    let run = &folder.json("out/results.json")["runs"][0];
-    let viscous = run["parameters"].as_array().unwrap().iter().find(|p| p["name"] == "fv1").unwrap();
-    let estimate = format!("{:?}", viscous["estimate"].as_f64().unwrap());
+    let model = &folder.json("out/results.json")["model"];
+    let viscous = model["standard"].as_array().unwrap().iter().find(|p| p["name"] == "fv1").unwrap();
+    let estimate = format!("{:?}", viscous["value"].as_f64().unwrap());
+    let transition = model["friction_transition"].as_f64().unwrap();
+    assert!(text.contains(&format!("np.tanh((dq[..., 0]) / {transition:?})")), "{text}");
     assert!(
         text.contains(&format!("dq[..., 0] * {estimate}")) || text.contains(&format!("{estimate} * dq[..., 0]")),
         "{text}"
     );
     assert!(!text.contains("theta["), "{text}");
-    let origin = "identified by idim-ls of \"a slider\", nominal case; verdict: ";
-    assert!(text.contains(origin) && text.contains("values are estimates of base parameters"), "{text}");
+    let origin = "the model of \"a slider\": physically consistent least squares";
+    assert!(text.contains(origin), "{text}");
 }
 
 #[test]

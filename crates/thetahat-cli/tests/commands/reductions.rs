@@ -205,8 +205,9 @@ fn torques_that_mean_nothing_have_the_verdict_of_the_identification() {
         assert_eq!(solved["verdict"], "do-not-use", "{name}");
         let codes = |results: &Value| {
             let reasons = results["verdict_reasons"].as_array().unwrap().clone();
-            reasons.iter().map(|r| r["code"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
+            reasons.iter().any(|r| r["code"] == "check-problem")
         };
+        // What else is said is of the model there, and of the estimates here.
         assert_eq!(codes(&solved), codes(&identified), "{name}");
     }
 }

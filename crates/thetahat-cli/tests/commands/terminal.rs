@@ -41,9 +41,9 @@ fn one_screen_begins_and_ends_with_the_verdict() {
     let text = printed(&folder, "demo", 0);
     assert!(text.lines().count() <= LINES, "{} lines\n{text}", text.lines().count());
     assert!(text.lines().all(|line| line.chars().count() <= COLUMNS), "{text}");
-    assert!(text.starts_with("\u{2713} GOOD: use idim-iv"), "{text}");
+    assert!(text.starts_with("\u{2713} GOOD: use the model"), "{text}");
     let card = card(&text);
-    assert!(card.ends_with("\n\u{2713} GOOD: use idim-iv (nominal)\n"), "{card}");
+    assert!(card.ends_with("\n\u{2713} GOOD: use the model\n"), "{card}");
     for what in
         ["error ", "on data not used", "worst joint ", "physical ", "precise, ", "not identified of 60", "to improve  "]
     {

@@ -29,6 +29,9 @@ pub struct ModelResult {
     pub candidates: Vec<ModelCandidate>,
     /// Error on the rows that it is fitted to.
     pub fit: ModelError,
+    /// Error on the recordings that were held back; `null` without any.
+    #[serde(default)]
+    pub held_back: Option<ModelError>,
     /// Error on parts of the recordings that neither fit nor choice has seen; `null` where none can be left out.
     pub unseen: Option<ModelError>,
     /// What the model or the recordings are wrong in, as far as the residual shows it; the strongest first.
@@ -134,6 +137,12 @@ impl ModelParameter {
 }
 
 impl ModelResult {
+    /// The error that it is judged by: on recordings that were held back, else on parts that were left out, else of the fit.
+    #[must_use]
+    pub fn judged_error(&self) -> &ModelError {
+        self.held_back.as_ref().or(self.unseen.as_ref()).unwrap_or(&self.fit)
+    }
+
     /// The model as a run of the nominal case, for what takes estimates of a run: its base parameters with the deviations
     /// of its covariance, and its standard parameters as the consistent estimate.
     #[must_use]
@@ -155,7 +164,11 @@ impl ModelResult {
         RunResult {
             relative_error_percent: Some(self.fit.percent),
             joint_relative_error_percent: self.fit.joints.iter().map(|j| j.percent).collect(),
-            cross_validation_relative_error_percent: self.unseen.as_ref().map(|e| e.percent),
+            cross_validation_relative_error_percent: self
+                .held_back
+                .as_ref()
+                .or(self.unseen.as_ref())
+                .map(|e| e.percent),
             parameters: self.parameters.iter().enumerate().map(parameter).collect(),
             covariance: self.covariance.clone(),
             physical: Some(self.physical()),

@@ -115,7 +115,7 @@ const NOISE_PART: f64 = 0.3;
 fn widest_cutoff(setup: Setup<'_>, model: &ModelResult, filtered: &FilteredRecording) -> f64 {
     let (recording, own) = (&filtered.recording, setup.settings.signal.cutoff_hz);
     let rate = recording.sample_rate_hz;
-    let errors = model.unseen.as_ref().unwrap_or(&model.fit);
+    let errors = model.judged_error();
     let inertias = joint_inertias(setup, model, filtered);
     let is_quiet = |cutoff_hz: &f64| {
         let settings = with_cutoff(setup.settings, *cutoff_hz);

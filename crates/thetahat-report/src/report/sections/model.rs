@@ -28,13 +28,21 @@ pub(in crate::report) fn section(results: &Results) -> Section {
     }
 }
 
-/// The model for the terminal: uses and errors.
+/// The model for the terminal: its errors.
 pub(in crate::report) fn brief(results: &Results, width: TextWidth) -> String {
     let Some(model) = &results.model else {
         return results.no_model.iter().map(|why| wrap(&format!("There is no model: {why}."), "", width)).collect();
     };
-    let tables = [uses(model), errors(results, model)].map(|table| table.to_text(width));
-    tables.join("\n")
+    let error = model.judged_error();
+    let of = |value: fn(&ModelJointError) -> Option<f64>| {
+        let joint = |(j, e): (usize, &ModelJointError)| format!("{} {}", results.joint_label(j), optional(value(e), 2));
+        error.joints.iter().enumerate().map(joint).collect::<Vec<_>>().join(", ")
+    };
+    let shares = error.joints.iter().map(|e| e.near_rest_share_percent);
+    let [least, most] = [shares.clone().fold(100.0, f64::min), shares.fold(0.0, f64::max)];
+    let all = format!("The model's error on unseen motion, percent of each torque: {}", of(|e| e.percent));
+    let rest = format!("Near rest ({least:.0} to {most:.0} % of the samples): {}", of(|e| e.near_rest_percent));
+    [all, rest].map(|line| wrap(&line, "", width)).concat()
 }
 
 /// Every table, for the terminal.
@@ -76,9 +84,11 @@ fn uses(model: &ModelResult) -> Table {
 }
 
 fn errors(results: &Results, model: &ModelResult) -> Table {
-    let (error, of) = match &model.unseen {
-        Some(unseen) => (unseen, "on unseen motion"),
-        None => (&model.fit, "on the motion that it is fitted to"),
+    let error = model.judged_error();
+    let of = match (&model.held_back, &model.unseen) {
+        (Some(_), _) => "on the recordings held back",
+        (None, Some(_)) => "on unseen motion",
+        (None, None) => "on the motion that it is fitted to",
     };
     let row = |(j, e): (usize, &ModelJointError)| {
         vec![

@@ -36,7 +36,7 @@ const NO_TORQUE: f64 = 1e-9;
 const MOSTLY_DECIDED: f64 = 50.0;
 
 pub(super) fn reasons(results: &Results, model: &ModelResult) -> Vec<VerdictReason> {
-    let error = model.unseen.as_ref().unwrap_or(&model.fit);
+    let error = model.judged_error();
     let mut reasons: Vec<VerdictReason> = too_little(error).into_iter().collect();
     if reasons.is_empty() {
         reasons.extend(joints(results, error));
@@ -92,7 +92,7 @@ fn joints(results: &Results, error: &ModelError) -> Vec<VerdictReason> {
 }
 
 fn far_from_fit(model: &ModelResult) -> Option<VerdictReason> {
-    let (unseen, fit) = (model.unseen.as_ref()?.percent, model.fit.percent);
+    let (unseen, fit) = (model.judged_error().percent, model.fit.percent);
     let times = unseen / fit;
     let seen = format!(
         "The model's error on unseen motion is {} %, {times:.1} times the {} % of its fit",
@@ -197,7 +197,7 @@ fn structure_percent(results: &Results, run: &RunResult, model: &ModelResult) ->
 /// What the model may be used for, from the reasons of the verdict.
 pub(super) fn uses(model: &ModelResult, reasons: &[VerdictReason]) -> Vec<ModelUse> {
     let gravest = reasons.iter().map(|r| r.verdict).max().unwrap_or(Verdict::Good);
-    let error = model.unseen.as_ref().unwrap_or(&model.fit);
+    let error = model.judged_error();
     let forbidden = gravest == Verdict::DoNotUse;
     let of = |for_what: UseGrade, care: Option<String>| {
         let (verdict, why) = match care {

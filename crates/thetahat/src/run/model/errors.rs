@@ -1,7 +1,7 @@
 //! The errors of predicted torques: all samples, moving, and near rest.
 
 use super::rows::ModelRows;
-use crate::run::identification::Identification;
+use crate::run::prepared::PreparedRecording;
 use thetahat_report::results::{ModelError, ModelJointError};
 
 /// Velocity below which a joint is near rest where no rule says so, rad/s or m/s.
@@ -18,10 +18,10 @@ pub(super) struct Speeds {
 }
 
 impl Speeds {
-    pub(super) fn new(identification: &Identification, rows: &ModelRows, transition: f64) -> Self {
+    pub(super) fn new(prepared: &[PreparedRecording], rows: &ModelRows, transition: f64) -> Self {
         let (mut near_rest, mut turning) = (Vec::new(), Vec::new());
         for j in 0..rows.layout.joints() {
-            for (p, decimator) in identification.main.iter().zip(&rows.decimators) {
+            for (p, decimator) in prepared.iter().zip(&rows.decimators) {
                 let limit = p.filtered.near_rest.as_ref().map_or(NEAR_REST, |rule| rule.velocity[j]);
                 let speeds: Vec<f64> = decimator.kept().map(|k| p.filtered.motion.dq.sample(k)[j].abs()).collect();
                 let is_slow = |k: usize| speeds[k] < limit.max(SETTLED * transition);

@@ -25,7 +25,9 @@ use thetahat_model::{
     consistency::{BaseKnowledge, ConsistentSet, bounds_of, interval_in, knowledge_of_base},
     robot::JointKind,
 };
-use thetahat_report::results::{ModelCause, ModelParameter, ModelResult, ModelStandardParameter, NOMINAL, RunResult};
+use thetahat_report::results::{
+    ModelCause, ModelError, ModelParameter, ModelResult, ModelStandardParameter, NOMINAL, RunResult,
+};
 
 /// Velocities at which the sign of Coulomb friction is `tanh(1)`, rad/s; the first is the default.
 const TRANSITIONS: [f64; 5] = [0.03, 0.001, 0.003, 0.01, 0.1];
@@ -56,7 +58,7 @@ impl Identification {
             Err(error) => return Ok(Err(error.to_string())),
         };
         let transitions = self.transitions();
-        let rows = ModelRows::new(self, problem, transitions[0])?;
+        let rows = ModelRows::new(self.setup(), &self.main, problem, transitions[0])?;
         let set = match set.clone().with_beliefs(beliefs(self, problem, &rows, set)) {
             Ok(set) => set,
             Err(error) => return Ok(Err(error.to_string())),
@@ -78,8 +80,21 @@ impl Identification {
             return Ok(Err("the rows determine no physically consistent robot".to_owned()));
         };
         let mut model = self.model_result(problem, &set, &laws, &choice, runs);
+        model.held_back = self.model_on_held_back(problem, &choice)?;
         model.seconds = stopwatch.seconds();
         Ok(Ok(model))
+    }
+
+    /// The error of the model on the recordings that were held back.
+    fn model_on_held_back(&self, problem: &Problem, choice: &Choice) -> Result<Option<ModelError>, PreparationError> {
+        let has_torque = self.validation.iter().all(|p| p.filtered.recording.torque.is_some());
+        if self.validation.is_empty() || !has_torque {
+            return Ok(None);
+        }
+        let rows = ModelRows::new(self.setup(), &self.validation, problem, choice.transition)?;
+        let speeds = Speeds::new(&self.validation, &rows, choice.transition);
+        let prediction = rows.x.times(&problem.base.from_standard(&choice.standard));
+        Ok(Some(errors(&rows, &prediction, None, &speeds)))
     }
 
     fn transitions(&self) -> Vec<f64> {
@@ -100,7 +115,7 @@ impl Identification {
     ) -> ModelResult {
         let rows = &laws[choice.law];
         let theta = problem.base.from_standard(&choice.standard);
-        let speeds = Speeds::new(self, rows, choice.transition);
+        let speeds = Speeds::new(&self.main, rows, choice.transition);
         let guessed = thetahat_model::consistency::stated_links(self.setup().robot);
         let found = (&choice.standard[..], &choice.deviations[..], choice.transition);
         let (causes, smallest_shown) = causes::causes(self, problem, rows, &speeds, found);
@@ -117,6 +132,7 @@ impl Identification {
             friction_transition: choice.transition,
             candidates: choice.candidates.clone(),
             fit: errors(rows, &rows.x.times(&theta), None, &speeds),
+            held_back: None,
             unseen: choice.unseen.as_ref().map(|unseen| errors(rows, &unseen.prediction, Some(&unseen.seen), &speeds)),
             causes,
             smallest_shown,

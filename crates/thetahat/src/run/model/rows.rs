@@ -1,8 +1,8 @@
 //! The rows that the model is fitted to: those of every sample of the windows, with a smooth sign of the velocity.
 
 use crate::{
-    preparation::{FilteredRecording, Mask, NamedMask, PreparationError, Problem, SignalOptions},
-    run::identification::Identification,
+    preparation::{FilteredRecording, Mask, NamedMask, PreparationError, Problem, Setup, SignalOptions},
+    run::{identification::Identification, prepared::PreparedRecording},
 };
 use thetahat_estimation::{identification::Assembly, regression::RowLayout, signal::Decimator};
 use thetahat_ground::linear_algebra::Matrix;
@@ -28,12 +28,13 @@ fn every_sample(signal: &SignalOptions) -> SignalOptions {
 impl ModelRows {
     /// The rows whose Coulomb friction is `fc tanh(dq / transition)`.
     pub(super) fn new(
-        identification: &Identification,
+        setup: Setup<'_>,
+        prepared: &[PreparedRecording],
         problem: &Problem,
         transition: f64,
     ) -> Result<Self, PreparationError> {
-        let signal = every_sample(&identification.setup().settings.signal);
-        let recordings: Vec<&FilteredRecording> = identification.main.iter().map(|p| &p.filtered).collect();
+        let signal = every_sample(&setup.settings.signal);
+        let recordings: Vec<&FilteredRecording> = prepared.iter().map(|p| &p.filtered).collect();
         let decimators = recordings.iter().map(|r| r.decimator(&signal)).collect::<Result<Vec<_>, _>>()?;
         let rows: Vec<usize> = decimators.iter().map(Decimator::rows).collect();
         let layout = RowLayout::new(problem.model.coordinate_count(), &rows);
