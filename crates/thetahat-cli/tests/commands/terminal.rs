@@ -44,9 +44,7 @@ fn one_screen_begins_and_ends_with_the_verdict() {
     assert!(text.starts_with("\u{2713} GOOD: use the model"), "{text}");
     let card = card(&text);
     assert!(card.ends_with("\n\u{2713} GOOD: use the model\n"), "{card}");
-    for what in
-        ["error ", "on data not used", "worst joint ", "physical ", "precise, ", "not identified of 60", "to improve  "]
-    {
+    for what in ["error ", "on data not used", "worst joint ", "precise, ", "not identified of 60", "to improve  "] {
         assert!(card.contains(what), "{what}: {card}");
     }
     assert!(text.contains("nominal         idim-iv *  converged"), "{text}");

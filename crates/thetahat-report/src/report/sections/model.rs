@@ -31,18 +31,17 @@ pub(in crate::report) fn section(results: &Results) -> Section {
 /// The model for the terminal: its errors.
 pub(in crate::report) fn brief(results: &Results, width: TextWidth) -> String {
     let Some(model) = &results.model else {
-        return results.no_model.iter().map(|why| wrap(&format!("There is no model: {why}."), "", width)).collect();
+        return results.no_model.iter().map(|why| wrap(&format!("There is no model: {why}."), "  ", width)).collect();
     };
     let error = model.judged_error();
     let of = |value: fn(&ModelJointError) -> Option<f64>| {
-        let joint = |(j, e): (usize, &ModelJointError)| format!("{} {}", results.joint_label(j), optional(value(e), 2));
-        error.joints.iter().enumerate().map(joint).collect::<Vec<_>>().join(", ")
+        error.joints.iter().map(|e| optional(value(e), 2)).collect::<Vec<_>>().join(" ")
     };
     let shares = error.joints.iter().map(|e| e.near_rest_share_percent);
     let [least, most] = [shares.clone().fold(100.0, f64::min), shares.fold(0.0, f64::max)];
-    let all = format!("The model's error on unseen motion, percent of each torque: {}", of(|e| e.percent));
-    let rest = format!("Near rest ({least:.0} to {most:.0} % of the samples): {}", of(|e| e.near_rest_percent));
-    [all, rest].map(|line| wrap(&line, "", width)).concat()
+    let all = format!("  the model, unseen, each joint %: {}", of(|e| e.percent));
+    let rest = format!("  near rest ({least:.0} to {most:.0} % of samples): {}", of(|e| e.near_rest_percent));
+    [all, rest].map(|line| wrap(line.trim_start(), "  ", width)).concat()
 }
 
 /// Every table, for the terminal.

@@ -18,8 +18,8 @@ const GAP: usize = 3;
 /// The identified robot, findings, runs and the recommended estimates. The verdict card is printed below.
 #[must_use]
 pub fn brief(results: &Results, width: TextWidth) -> String {
-    let mut parts = vec![head(results, width), findings::brief(results, width), runs(results, width)];
-    parts.push(model::brief(results, width));
+    let of_runs = runs(results, width) + &model::brief(results, width);
+    let mut parts = vec![head(results, width), findings::brief(results, width), of_runs];
     parts.push(physical::brief(results, width));
     parts.extend(payload::tables(results).iter().map(|table| table.to_text(width)));
     parts.push(terms::profiled(results).map(|line| wrap(&line, "", width)).collect());

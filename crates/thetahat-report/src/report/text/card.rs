@@ -59,7 +59,7 @@ fn facts(card: &Card) -> Vec<(&'static str, String)> {
         card.relative_error_percent.map(|error| ("error", format!("{} %{}", significant(error, 3), validation(card)))),
         card.worst_joint.as_ref().map(|joint| ("worst joint", worst(joint))),
         card.physical
-            .filter(|_| card.verdict != Some(Verdict::DoNotUse))
+            .filter(|_| card.verdict != Some(Verdict::DoNotUse) && card.source != Some(EstimateSource::Model))
             .map(|physical| ("physical", physically(physical).to_owned())),
         Some(("parameters", known(card))),
         quotable(card).map(|names| ("quote", names)),
