@@ -34,7 +34,7 @@ pub struct ModelResult {
     pub held_back: Option<ModelError>,
     /// Error on parts of the recordings that neither fit nor choice has seen; `null` where none can be left out.
     pub unseen: Option<ModelError>,
-    /// What the model or the recordings are wrong in, as far as the residual shows it; the strongest first.
+    /// What the residual shows that the model or the recordings are wrong in, the strongest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub causes: Vec<ModelCause>,
     /// Errors of the description that these recordings do not show unless they are larger.

@@ -153,7 +153,7 @@ fn remedy(found: &ModelCause) -> String {
         }
         CauseKind::EncoderZero => format!("check the zero of {} against the description", found.subject),
         CauseKind::GearRatio => format!("check the gear ratio of {}", found.subject),
-        CauseKind::Elasticity => "stay below its resonance, or record behind the gear".to_owned(),
+        CauseKind::Elasticity => "stay below its resonance, or record at the link".to_owned(),
         CauseKind::Length => "check the lengths of the description".to_owned(),
         CauseKind::Coupling => "state the coupling in [transmission] of the robot".to_owned(),
         CauseKind::LoadFriction => "add a [[term]] of kind load-friction".to_owned(),

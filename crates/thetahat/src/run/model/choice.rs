@@ -220,7 +220,7 @@ struct Search<'a> {
     choosing: &'a Choosing<'a>,
     whitened: &'a [Whitened],
     threads: usize,
-    /// Base parameters; none where a fit has no result.
+    /// Base parameters; none if a fit has no result.
     fitted: Mutex<HashMap<Fitted, Option<Vec<f64>>>>,
 }
 

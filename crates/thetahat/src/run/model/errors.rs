@@ -56,7 +56,7 @@ pub(super) fn errors(rows: &ModelRows, prediction: &[f64], counts: Option<&[bool
     ModelError { percent: percent(rows, prediction, &every).unwrap_or(0.0), joints: joints.collect() }
 }
 
-/// `100 |y - prediction| / |y|`; none where y is zero.
+/// `100 |y - prediction| / |y|`; none if y is zero.
 fn percent(rows: &ModelRows, prediction: &[f64], of: &[usize]) -> Option<f64> {
     let error: f64 = of.iter().map(|&k| (rows.y[k] - prediction[k]).powi(2)).sum();
     let size: f64 = of.iter().map(|&k| rows.y[k].powi(2)).sum();

@@ -9,7 +9,7 @@ mod torques;
 
 use super::{errors::Speeds, rows::ModelRows};
 use crate::{preparation::Problem, run::identification::Identification};
-use residual::{Found, Residual};
+use residual::{Evidence, Residual};
 use thetahat_ground::pool::in_parallel;
 use thetahat_model::dynamics::Sign;
 use thetahat_report::results::{CauseKind, ModelCause, MovedParameter, SmallestShown};
@@ -74,7 +74,7 @@ pub(super) fn causes(
             let found = if put_in.contains(&k) { None } else { residual.test(k) };
             found.filter(|f| residual.candidates[k].cause.is_plausible(f))
         };
-        let found: Vec<Option<Found>> = in_parallel(count, identification.threads, test);
+        let found: Vec<Option<Evidence>> = in_parallel(count, identification.threads, test);
         let evidence = |k: usize| found[k].as_ref().map(|f| f.log10_p);
         let shown = (0..count).filter_map(|k| Some((k, evidence(k)?))).filter(|(_, log10_p)| *log10_p < NAMED);
         let Some((best, log10_p)) = shown.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
@@ -118,7 +118,7 @@ fn smallest_shown(residual: &Residual, candidate: usize) -> Option<SmallestShown
     })
 }
 
-impl Found {
+impl Evidence {
     /// The cause with what was found of it.
     fn named(&self, cause: &Cause, rivals: Vec<String>) -> ModelCause {
         ModelCause {
@@ -137,7 +137,7 @@ impl Found {
 
 impl Cause {
     /// Whether its size is one for which a derivative says anything.
-    fn is_plausible(&self, found: &Found) -> bool {
+    fn is_plausible(&self, found: &Evidence) -> bool {
         let Some([size, _]) = found.size else { return true };
         match self.kind {
             CauseKind::EncoderZero | CauseKind::GearRatio | CauseKind::Length => size.abs() < LARGEST,
@@ -153,7 +153,7 @@ impl Cause {
 }
 
 /// The base parameters that a cause moved, in their deviations.
-fn moved(residual: &Residual, problem: &Problem, candidate: usize, found: &Found) -> Vec<MovedParameter> {
+fn moved(residual: &Residual, problem: &Problem, candidate: usize, found: &Evidence) -> Vec<MovedParameter> {
     let shifts = residual.shifts(candidate, found);
     let parameters = problem.base.parameters().iter().zip(shifts);
     let mut moved: Vec<MovedParameter> = parameters

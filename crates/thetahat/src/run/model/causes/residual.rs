@@ -12,7 +12,7 @@ const RANK: f64 = 1e-7;
 const SEEN: f64 = 1e-6;
 /// The same between the columns of one cause.
 const OWN_RANK: f64 = 1e-3;
-/// The least probability that is told from zero.
+/// The least probability that is distinguished from zero.
 const LEAST: f64 = 1e-300;
 
 pub(super) struct Residual {
@@ -33,7 +33,7 @@ pub(super) struct Candidate {
 }
 
 /// What a cause explains.
-pub(super) struct Found {
+pub(super) struct Evidence {
     pub(super) log10_p: f64,
     /// Estimate and deviation, of a cause with one column.
     pub(super) size: Option<[f64; 2]>,
@@ -68,7 +68,7 @@ impl Residual {
     }
 
     /// What a cause explains of the residual; none if no motion of the recordings shows it.
-    pub(super) fn test(&self, candidate: usize) -> Option<Found> {
+    pub(super) fn test(&self, candidate: usize) -> Option<Evidence> {
         let Candidate { cause, sizes, columns, .. } = &self.candidates[candidate];
         let seen: Vec<usize> = (0..columns.columns()).filter(|&c| norm(columns.column(c)) > SEEN * sizes[c]).collect();
         if seen.is_empty() || self.rest.len() <= seen.len() {
@@ -88,7 +88,7 @@ impl Residual {
             _ => None,
         };
         let error_percent = 100.0 * statistic.sqrt() / self.torque;
-        statistic.is_finite().then_some(Found { log10_p, size, coefficients, error_percent })
+        statistic.is_finite().then_some(Evidence { log10_p, size, coefficients, error_percent })
     }
 
     /// What a cause explains is explained from now on.
@@ -103,7 +103,7 @@ impl Residual {
 
     /// How far a cause moved each base parameter, in its deviations: `(X^T X)^-1 X^T c` times the cause's size. Zero where the
     /// motion does not separate the parameters.
-    pub(super) fn shifts(&self, candidate: usize, found: &Found) -> Vec<f64> {
+    pub(super) fn shifts(&self, candidate: usize, found: &Evidence) -> Vec<f64> {
         let whitened = &self.candidates[candidate].whitened;
         let parameters = self.factor.pivots().len();
         if self.rank < parameters || found.coefficients.len() != whitened.columns() {

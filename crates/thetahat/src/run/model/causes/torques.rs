@@ -207,7 +207,7 @@ impl<'a> Torques<'a> {
             .then(|| self.difference(STEP, |r| self.of(&model, self.standard, &r.motion, r)))?
     }
 
-    /// A link behind an elastic joint is at `q - tau / k`, where the encoder is at the motor.
+    /// The link of an elastic joint is at `q - tau / k`, where the encoder is at the motor.
     fn elastic(&self, j: usize) -> Option<Vec<f64>> {
         let bodies = self.only(|quantity| quantity.is_inertial());
         let mut torques = Vec::new();
