@@ -21,7 +21,7 @@ fn identified(robot: &str, recordings: &[&str], more: &[&str]) -> Result<Results
 /// The methods that init proposes converge, and the one that is advised is within a relative error, percent.
 fn is_within(limit: f64, results: &Results) -> Result<(), Failed> {
     let take = results.advice[0].recommended.ok_or("no method is advised")?;
-    for name in ["idim-ls", "idim-iv"] {
+    for name in ["idim-wls", "idim-iv"] {
         let run = results.runs.iter().find(|r| r.method.name() == name).ok_or("init did not propose it")?;
         ensure(run.status == Status::Converged, format!("{name}: {:?}", run.reason))?;
         let error = run.relative_error_percent.unwrap_or(f64::NAN);

@@ -4,11 +4,13 @@
 //! of squares that the rest explains, of rows whitened by the long-run deviations of the residual, is chi-squared where
 //! there is no such cause. The strongest cause is put in, and the others are tested again.
 
+mod cause;
 mod residual;
 mod torques;
 
 use super::{errors::Speeds, rows::ModelRows};
 use crate::{preparation::Problem, run::identification::Identification};
+use cause::Cause;
 use residual::{Evidence, Residual};
 use thetahat_ground::pool::in_parallel;
 use thetahat_model::dynamics::Sign;
@@ -27,19 +29,8 @@ const RIVAL: f64 = 0.6;
 const MOST: usize = 4;
 /// Largest angle, length or change of a ratio that is named, rad, m or 1.
 const LARGEST: f64 = 0.3;
-/// Instants at which a payload may have been picked up.
-const INSTANTS: usize = 15;
 /// Deviations of a parameter's shift from which a cause has moved it.
 const MOVED: f64 = 1.0;
-
-/// A cause with its columns, in the rows of the model.
-#[derive(Debug, Clone)]
-pub(super) struct Cause {
-    pub(super) kind: CauseKind,
-    pub(super) subject: String,
-    pub(super) unit: &'static str,
-    pub(super) columns: Vec<Vec<f64>>,
-}
 
 /// The causes that the rows show, the strongest first.
 pub(super) fn causes(

@@ -2,7 +2,7 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::Cause;
+use super::cause::Cause;
 use crate::run::model::rows::ModelRows;
 use thetahat_ground::linear_algebra::{Matrix, PivotedQr, dot, norm};
 

@@ -1,6 +1,6 @@
 //! The derivatives of the predicted torque by what can be wrong.
 
-use super::{Cause, INSTANTS};
+use super::cause::Cause;
 use crate::{
     preparation::{FilteredRecording, Problem},
     run::{identification::Identification, model::rows::ModelRows},
@@ -13,6 +13,8 @@ use thetahat_model::{
 };
 use thetahat_report::results::CauseKind;
 
+/// Instants at which a payload may have been picked up.
+const INSTANTS: usize = 15;
 /// Step of the differences: of a ratio, rad or m.
 const STEP: f64 = 1e-3;
 /// Velocities of the laws of friction over speed, over the peak velocity of the joint.
