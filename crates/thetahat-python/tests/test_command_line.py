@@ -19,6 +19,8 @@ def without_times(text):
     results = json.loads(text)
     for run in results["runs"]:
         run.pop("seconds")
+    if results["model"]:
+        results["model"].pop("seconds")
     return results
 
 

@@ -73,6 +73,16 @@ def test_predictions_are_the_torques_without_noise(twin, result):
     np.testing.assert_array_equal(one, predicted[500])
 
 
+def test_the_model_is_what_predicts(twin, result):
+    model = result.model
+    assert model.uses["predict-torques"] == "good" and model.unseen_percent < 5
+    assert list(result.standard_parameters()) == [model.standard[name] for name in twin.robot.parameter_names]
+    decided = [p for p in model.parameters if p.decided_percent >= 90]
+    assert decided and all(p.interval_95[0] <= p.interval_95[1] for p in decided)
+    assert model.friction_transition > 0 and model.belief_weight > 0 and isinstance(model.causes, list)
+    assert "predict-torques" in repr(model)
+
+
 def test_curves_belong_together(result):
     run = result["idim-ls"]
     assert run.measured.shape == run.predicted.shape == (len(run.time), 2)
@@ -93,11 +103,11 @@ def test_the_report_is_one_file(result, tmp_path):
 
 def test_the_robot_is_exported(result, tmp_path):
     said = result.export(tmp_path / "arm.urdf")
-    assert said[0].startswith(f"identified by {result.best.method}")
+    assert said[0].startswith("the model")
     assert any("URDF has no motor inertia" in line for line in said)
     text = (tmp_path / "arm.urdf").read_text()
     damping = float(text.partition('damping="')[2].partition('"')[0])
-    assert "<inertial>" in text and damping == pytest.approx(result.best["fv1"].estimate, rel=1e-9)
+    assert "<inertial>" in text and damping == pytest.approx(result.model["fv1"], rel=1e-9)
     result.export(tmp_path / "arm.xml", method="idim-ls")
     assert "fullinertia" in (tmp_path / "arm.xml").read_text()
     with pytest.raises(th.errors.ResultsError, match="urdf, mjcf, sdf, json"):
@@ -201,7 +211,7 @@ def test_fixed_parameters_stay_in_predictions(twin, result):
     assert "mx2" not in fixed["idim-ls"].names
     motion = twin.motion
     arrays = motion.position, motion.velocity, motion.acceleration
-    difference = fixed.predict(*arrays) - result.predict(*arrays, run=result["idim-ls"])
+    difference = fixed.predict(*arrays, run=fixed["idim-ls"]) - result.predict(*arrays, run=result["idim-ls"])
     assert np.max(np.abs(difference)) < 0.05
 
 
