@@ -29,7 +29,6 @@ const SIGNIFICANCE: f64 = 0.05;
 /// Every section that is not empty.
 pub(super) fn all(results: &Results, published: Option<&Published>) -> Vec<Section> {
     let mut sections = vec![
-        model::section(results),
         torques(results),
         estimates(results, published),
         summary(results),

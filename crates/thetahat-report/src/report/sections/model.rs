@@ -3,30 +3,14 @@
 use crate::{
     report::{
         number::{NONE, estimate, optional, significant},
-        section::Section,
         table::{Group, Table, strings},
         wrap::{TextWidth, wrap},
     },
     results::{
-        ModelCandidate, ModelCause, ModelJointError, ModelParameter, ModelResult, ModelStandardParameter, ModelUse,
-        Results,
+        CauseKind, ModelCandidate, ModelCause, ModelJointError, ModelParameter, ModelResult, ModelStandardParameter,
+        ModelUse, Results, SmallestShown,
     },
 };
-
-pub(in crate::report) fn section(results: &Results) -> Section {
-    let lines: Vec<String> = results.no_model.iter().map(|why| format!("There is no model: {why}.")).collect();
-    let Some(model) = &results.model else {
-        return Section { id: "model", title: "The model", lines, ..Section::default() };
-    };
-    Section {
-        id: "model",
-        title: "The model",
-        lines: vec![what(model)],
-        tables: [Some(uses(model)), Some(errors(results, model)), causes(model)].into_iter().flatten().collect(),
-        folded: vec![parameters(model), standard(model), candidates(model)],
-        ..Section::default()
-    }
-}
 
 /// The model for the terminal: its errors.
 pub(in crate::report) fn brief(results: &Results, width: TextWidth) -> String {
@@ -103,8 +87,11 @@ fn errors(results: &Results, model: &ModelResult) -> Table {
     Table {
         title: format!("Errors of the model's torques {of}, percent of each torque"),
         lead: 1,
-        groups: vec![Group { label: "samples".to_owned(), columns: 3 }, Group { label: String::new(), columns: 2 }],
-        head: strings(&["joint", "all", "moving", "near rest", "near rest, %", "rms, N m"]),
+        groups: vec![
+            Group { label: "error on samples".to_owned(), columns: 3 },
+            Group { label: "of them".to_owned(), columns: 2 },
+        ],
+        head: strings(&["joint", "all", "moving", "near rest", "near rest, %", "rms error"]),
         rows: error.joints.iter().enumerate().map(row).chain([all]).collect(),
         notes: strings(&[
             "Parts of the recordings are left out in turn: neither the fit nor the choice of the model has seen them. near rest, \
@@ -130,8 +117,13 @@ fn causes(model: &ModelResult) -> Option<Table> {
         .filter(|c| !c.rivals.is_empty())
         .map(|c| format!("{} is not separated from {}", c.kind.with_subject(&c.subject), c.rivals.join(", ")));
     let smallest = (!model.smallest_shown.is_empty()).then(|| {
-        let all = model.smallest_shown.iter().map(|s| s.in_words()).collect::<Vec<_>>().join(", ");
-        format!("Not shown by these recordings, so that smaller errors can hide: {all}")
+        let kinds = [CauseKind::GearRatio, CauseKind::EncoderZero, CauseKind::Length];
+        let least = |kind: &CauseKind| {
+            let of_kind = model.smallest_shown.iter().filter(|s| s.kind == *kind);
+            of_kind.min_by(|a, b| a.size.total_cmp(&b.size)).map(SmallestShown::in_words)
+        };
+        let all = kinds.iter().filter_map(least).collect::<Vec<_>>().join(", ");
+        format!("Smaller errors than these can hide (the others are in results.json): {all}")
     });
     (!model.causes.is_empty() || smallest.is_some()).then(|| Table {
         title: "What the residual says that the model or the recordings are wrong in".to_owned(),
