@@ -1,5 +1,5 @@
 //! The model on motion that it has not seen: halves of the TX40's recording, and the two recordings of the KUKA LWR4+. Printed: the
-//! errors of docs/evidence/model.md.
+//! errors of both.
 
 use libtest_mimic::{Failed, Trial};
 use thetahat::{

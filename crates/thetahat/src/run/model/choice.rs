@@ -72,7 +72,7 @@ struct Candidate {
 const DEFAULT: Candidate = Candidate { law: 0, weight: 0 };
 /// Power of the joints' deviations by which the rows that are fitted are divided: at one the joints weigh alike, at zero newton
 /// metres do. Errors of the model are not noise: weights by the deviation alone let a joint of small torques and a bad
-/// friction law decide on the bodies that it carries (docs/evidence/model.md).
+/// friction law decide on the bodies that it carries.
 const POWER: f64 = 0.5;
 
 impl Choosing<'_> {
