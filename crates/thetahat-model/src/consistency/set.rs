@@ -274,7 +274,8 @@ impl ConsistentSet {
         self.beliefs.sizes[i] > 0.0 && self.is_positive(i)
     }
 
-    /// The a-priori bodies, with the usual size of each number that cannot be negative and zero for the others.
+    /// The a-priori bodies, with the usual size of each number that cannot be negative, and zero for those of either sign that have
+    /// a size.
     #[must_use]
     pub fn believed(&self) -> Vec<f64> {
         let sizes = &self.beliefs.sizes;
@@ -282,6 +283,7 @@ impl ConsistentSet {
             true => self.a_priori[i],
             false if self.is_believed_positive(i) => sizes[i],
             false if sizes[i] > 0.0 => 0.0,
+            false if self.is_positive(i) && self.a_priori[i] <= 0.0 => self.scale[i],
             false => self.a_priori[i],
         };
         (0..self.table.len()).map(value).collect()

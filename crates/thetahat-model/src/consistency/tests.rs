@@ -465,3 +465,56 @@ fn conditions_take_effective_parameters_from_the_data() {
     let drawn = fit(&set, &inside, Prior::LogDet { weight: 1e9 }, None).unwrap().effective_parameters;
     assert!((drawn - (n as f64 - 22.0)).abs() < 1e-2, "{drawn}");
 }
+
+/// One revolute joint with a body, and the places of its viscous friction and offset.
+fn believed_joint() -> (ConsistentSet, BaseParameters, [usize; 2]) {
+    let text = "name = 'r'\n[[joint]]\nname = 'a'\nkind = 'revolute'\nalpha_deg = 90\n";
+    let robot = Robot::parse(text, Path::new("r.toml")).unwrap();
+    let set = ConsistentSet::new(&robot, &completed_a_priori(&robot, None)).unwrap();
+    let base = BaseParameters::of(&Model::new(&robot), &[]).unwrap();
+    let places = ["fv1", "off1"].map(|name| set.parameter_table().index_of(name).unwrap());
+    let mut sizes = vec![0.0; set.parameter_table().len()];
+    places.iter().zip([2.0, 3.0]).for_each(|(i, size)| sizes[*i] = size);
+    (set.with_beliefs(Beliefs { sizes, link_parts: vec![1.0] }).unwrap(), base, places)
+}
+
+/// `|a x - b|^2` for each of these parameters by itself.
+fn rows_of(set: &ConsistentSet, places: [usize; 2], [a, b]: [f64; 2]) -> LeastSquares {
+    let entry = |row: usize, column: usize| if column == places[row] { a } else { 0.0 };
+    LeastSquares::in_standard(Matrix::from_fn(2, set.parameter_table().len(), entry), vec![b, b])
+}
+
+/// A number that cannot be negative is where `2 a (a s - b) + 1 / s_0 - 1 / s` is zero, one of either sign at
+/// `a b / (a^2 + 1 / s_0^2)`, and a body of which the rows say nothing stays.
+#[test]
+fn a_belief_has_its_closed_form() {
+    let (set, _, [fv, off]) = believed_joint();
+    let (a, b) = (0.7, 1.9);
+    for weight in [1.0, 25.0] {
+        let found = fit(&set, &rows_of(&set, [fv, off], [a, b]), Prior::Belief { weight }, None).unwrap();
+        let p = 1.0 / 2.0 - 2.0 * a * b;
+        let expected = (-p + (p * p + 8.0 * a * a).sqrt()) / (4.0 * a * a);
+        // A gap of 1e-10 of the objective leaves its root, over the root of the curvature.
+        assert!((found.standard[fv] - expected).abs() < 1e-5, "{} {expected}", found.standard[fv]);
+        let expected = a * b / (a * a + 1.0 / 9.0);
+        assert!((found.standard[off] - expected).abs() < 1e-5, "{} {expected}", found.standard[off]);
+        let body = (0..set.a_priori().len()).filter(|&i| set.parameter_table().get(i).quantity.is_inertial());
+        body.for_each(|i| assert!((found.standard[i] - set.a_priori()[i]).abs() < 1e-5, "{i}"));
+    }
+}
+
+/// Variances `2 s_0^2 / weight` and `s_0^2` by the belief, and one over the sum of informations with the rows.
+#[test]
+fn what_rows_add_to_a_belief_has_its_closed_form() {
+    let (set, base, [fv, off]) = believed_joint();
+    let a = 0.7;
+    let knowledge = knowledge_of_base(&set, &rows_of(&set, [fv, off], [a, 1.9]), 1.0, &base).unwrap();
+    for (kept, believed) in [(fv, 8.0), (off, 9.0)] {
+        let i = base.parameters().iter().position(|p| p.kept == kept && p.regrouped.is_empty()).unwrap();
+        assert!((knowledge.believed_variance[i] / believed - 1.0).abs() < 1e-9, "{}", knowledge.believed_variance[i]);
+        let expected = 1.0 / (a * a + 1.0 / believed);
+        assert!((knowledge.covariance.at(i, i) / expected - 1.0).abs() < 1e-9, "{}", knowledge.covariance.at(i, i));
+        let percent = 100.0 * (1.0 - expected / believed);
+        assert!((knowledge.decided_percent()[i] - percent).abs() < 1e-6);
+    }
+}

@@ -201,6 +201,12 @@ impl IdentifiedRobot {
         if self.model.is_some() { EstimateSource::Model } else { EstimateSource::Run(self.run.method) }
     }
 
+    /// Whether the recordings decided a base parameter: every one that a run estimates, and of the model those that can be quoted.
+    pub(crate) fn is_decided(&self, name: &str) -> bool {
+        let of_model = |model: &ModelResult| model.parameters.iter().any(|p| p.name == name && p.is_decided());
+        self.model.as_ref().is_none_or(of_model)
+    }
+
     /// The estimates of all base parameters: zero of those that the run does not estimate, as in its model.
     #[must_use]
     pub fn estimates(&self) -> Vec<f64> {

@@ -88,6 +88,7 @@ impl IdentifiedModel {
         };
         let says = [
             (Provenance::Identified, "identified by themselves"),
+            (Provenance::InPart, "decided by the recordings in part, by the a-priori robot otherwise"),
             (Provenance::InSums, "identified in sums with others alone, shared out as the a-priori values are"),
             (Provenance::Given, "given by the experiment"),
             (Provenance::Zero, "not in the identified model, zero"),
@@ -107,6 +108,7 @@ impl IdentifiedModel {
                 "standard parameters: no robot made of bodies has the estimates; the physically consistent set nearest to them \
                  in the metric of their covariance, with the base parameters within their 95 % intervals"
             }
+            Kept::ConsistentEstimate if self.identified.model.is_some() => "standard parameters: those of the model",
             Kept::ConsistentEstimate => "standard parameters: the consistent estimate of the results (physical = true)",
         }
     }

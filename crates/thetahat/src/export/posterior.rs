@@ -67,7 +67,9 @@ impl Posterior {
         let physical = run.physical.as_ref();
         let mut posterior = Self {
             method: run.method,
-            provenance: provenance(&base, &settings.parameters, set.parameter_table()),
+            provenance: provenance(&base, &settings.parameters, set.parameter_table(), |name| {
+                identified.is_decided(name)
+            }),
             consistent: match &identified.model {
                 Some(_) => Some(identified.theta()),
                 None => consistent_estimate(run, set.parameter_table()),

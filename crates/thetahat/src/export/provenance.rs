@@ -15,6 +15,8 @@ use thetahat_report::results::ParameterResult;
 pub enum Provenance {
     /// It is a base parameter by itself.
     Identified,
+    /// The model's, decided by the recordings in part and by the a-priori robot otherwise.
+    InPart,
     /// It is identified as part of a sum with others alone; the a-priori values say how the sum is shared out.
     InSums,
     /// The experiment gives its value.
@@ -31,6 +33,7 @@ impl Provenance {
     pub fn name(self) -> &'static str {
         match self {
             Self::Identified => "identified",
+            Self::InPart => "in part",
             Self::InSums => "in sums",
             Self::Given => "given",
             Self::Zero => "zero",
@@ -63,11 +66,12 @@ pub(super) fn provenance(
     estimated: &BaseParameters,
     selection: &ParameterSelection,
     table: &ParameterTable,
+    is_decided: impl Fn(&str) -> bool,
 ) -> Vec<Provenance> {
     let mut all = vec![Provenance::APriori; table.len()];
     for parameter in estimated.parameters() {
-        let alone = parameter.regrouped.is_empty();
-        all[parameter.kept] = if alone { Provenance::Identified } else { Provenance::InSums };
+        let alone = if is_decided(&parameter.name) { Provenance::Identified } else { Provenance::InPart };
+        all[parameter.kept] = if parameter.regrouped.is_empty() { alone } else { Provenance::InSums };
         parameter.regrouped.iter().for_each(|&(i, _)| all[i] = Provenance::InSums);
     }
     let mut set = |name: &str, to: Provenance| table.index_of(name).into_iter().for_each(|i| all[i] = to);

@@ -24,6 +24,7 @@ mod examination;
 mod hidden_bias;
 mod identification;
 mod linear;
+mod mass_diagonal;
 mod model;
 mod parameters;
 mod payload;

@@ -2,6 +2,7 @@
 
 use std::{f64::consts::TAU, sync::Arc};
 
+use super::mass_diagonal::mass_diagonal;
 use crate::preparation::{
     Basis, Case, FilteredRecording, Mask, NamedMask, PreparationError, Recording, Settings, Setup, SignalOptions,
 };
@@ -12,7 +13,7 @@ use thetahat_estimation::{
 };
 use thetahat_ground::{linear_algebra::Matrix, series::Series};
 use thetahat_model::{
-    dynamics::{DynamicParameters, Model, Sign, Workspace},
+    dynamics::{Model, Sign},
     regressor::Regressor,
 };
 use thetahat_report::results::{EstimateSource, ModelResult, Prediction, Verdict, VerdictReason};
@@ -116,7 +117,7 @@ fn widest_cutoff(setup: Setup<'_>, model: &ModelResult, filtered: &FilteredRecor
     let (recording, own) = (&filtered.recording, setup.settings.signal.cutoff_hz);
     let rate = recording.sample_rate_hz;
     let errors = model.judged_error();
-    let inertias = joint_inertias(setup, model, filtered);
+    let Some(inertias) = joint_inertias(setup, model, filtered) else { return own };
     let is_quiet = |cutoff_hz: &f64| {
         let settings = with_cutoff(setup.settings, *cutoff_hz);
         let Ok(motion) = (Setup { settings: &settings, ..setup }).band_pass(&recording.position, rate) else {
@@ -136,15 +137,11 @@ fn with_cutoff(settings: &Settings, cutoff_hz: f64) -> Settings {
 }
 
 /// The diagonal of the model's mass matrix at the mean position.
-fn joint_inertias(setup: Setup<'_>, model: &ModelResult, filtered: &FilteredRecording) -> Vec<f64> {
+fn joint_inertias(setup: Setup<'_>, model: &ModelResult, filtered: &FilteredRecording) -> Option<Vec<f64>> {
     let dynamics = Model::new(setup.robot);
-    let count = dynamics.coordinate_count();
     let standard: Vec<f64> =
         dynamics.parameter_table().iter().map(|p| model.standard_value(&p.name()).unwrap_or(0.0)).collect();
-    let Ok(parameters) = DynamicParameters::new(&dynamics, &standard) else { return vec![f64::INFINITY; count] };
-    let mut mass = vec![0.0; count * count];
-    dynamics.mass_matrix(&parameters, &filtered.motion.q.means(), &mut Workspace::new(&dynamics), &mut mass);
-    (0..count).map(|j| mass[j * count + j]).collect()
+    mass_diagonal(&dynamics, &standard, &filtered.motion.q.means())
 }
 
 /// The torques of what is estimated with those of what is known: a payload, and parameters at a value.

@@ -49,10 +49,13 @@ fn it_is_a_robot_that_predicts() {
     assert!(unseen < 1.5 * fit, "{unseen} % of unseen motion, {fit} % of the fit");
     let masses = model.standard.iter().filter(|p| p.unit == "kg" && p.name.starts_with('m'));
     assert!(masses.clone().count() == 6 && masses.clone().all(|p| p.value > 0.0), "{:?}", model.standard);
-    assert!(model.parameters.iter().all(|p| (0.0..=100.0).contains(&p.decided_percent)), "{:?}", model.parameters);
+    // A motor inertia that turns often is decided by the recording, the products of inertia of the last link are not.
+    let decided = |name: &str| model.parameters.iter().find(|p| p.name == name).unwrap().decided_percent;
+    assert!(decided("ia3") > 99.0 && decided("xy6") < 20.0, "{:?}", model.parameters);
     assert_eq!(model.uses[0].for_what, UseGrade::PredictTorques);
     assert_eq!(model.uses[0].verdict, Verdict::Good, "{:?}", results.verdict_reasons);
-    assert!(model.candidates.iter().filter(|c| c.taken).count() >= 1);
+    // The twin's own transition is 0.005 rad/s.
+    assert!([0.003, 0.01].contains(&model.friction_transition), "{:?}", model.candidates);
 }
 
 /// Each decided value is nearer to the truth than its interval's width, or no quotation could hold.

@@ -2,8 +2,10 @@
 
 use super::{
     estimates::correlated_from,
+    judged::nominal_runs,
     reason::{ReasonText, reason},
 };
+use thetahat_estimation::checks::Code;
 use thetahat_ground::number::significant;
 use thetahat_report::results::{
     CauseKind, ModelCause, ModelError, ModelResult, ModelUse, ReasonCode, ReasonSubject, Results, RunResult, UseGrade,
@@ -42,8 +44,10 @@ pub(super) fn reasons(results: &Results, model: &ModelResult) -> Vec<VerdictReas
         reasons.extend(joints(results, error));
     }
     reasons.extend(far_from_fit(model));
-    // A delay that is weaker than another cause may be what that one left.
-    let is_own = |(k, c): &(usize, &ModelCause)| *k == 0 || c.kind != CauseKind::LateTorque;
+    // A delay that is weaker than another cause may be what that one left, and noise in a stiff loop looks like one: the check
+    // of lags must have found it too.
+    let has_lag = results.findings.iter().flat_map(|r| &r.findings).any(|f| f.code == Code::Lag);
+    let is_own = |(k, c): &(usize, &ModelCause)| c.kind != CauseKind::LateTorque || (*k == 0 && has_lag);
     let causes = model.causes.iter().enumerate().filter(is_own);
     let mut causes: Vec<VerdictReason> = causes.filter_map(|(_, c)| cause(results, c)).collect();
     if causes.is_empty() {
@@ -148,9 +152,7 @@ fn cause(results: &Results, found: &ModelCause) -> Option<VerdictReason> {
 
 fn remedy(found: &ModelCause) -> String {
     match found.kind {
-        CauseKind::LateTorque => {
-            "set delay_s of the torque as the finding lag says, or compare the clocks of the channels".to_owned()
-        }
+        CauseKind::LateTorque => "set delay_s of the torque as the finding lag says".to_owned(),
         CauseKind::EncoderZero => format!("check the zero of {} against the description", found.subject),
         CauseKind::GearRatio => format!("check the gear ratio of {}", found.subject),
         CauseKind::Elasticity => "stay below its resonance, or record at the link".to_owned(),
@@ -167,7 +169,7 @@ fn remedy(found: &ModelCause) -> String {
 
 /// What neighbouring rows predict of the residual, percent of all torques, where no cause that was tested explains it.
 fn structure(results: &Results, model: &ModelResult) -> Option<VerdictReason> {
-    let run = results.runs.iter().find(|r| r.residual.is_some() && !r.is_of_positions())?;
+    let run = nominal_runs(results).find(|r| r.residual.is_some() && !r.is_of_positions())?;
     let percent = structure_percent(results, run, model);
     let seen = format!(
         "{} % of the torques are left in errors that last, and no cause that was tested explains them: the model predicts as \

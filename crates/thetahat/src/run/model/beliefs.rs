@@ -1,12 +1,15 @@
 //! What is believed of motors, friction and offsets before the recordings are fitted: their usual sizes.
 
 use super::rows::ModelRows;
-use crate::{preparation::Problem, run::identification::Identification};
+use crate::{
+    preparation::Problem,
+    run::{identification::Identification, mass_diagonal::mass_diagonal},
+};
 use thetahat_ground::linear_algebra::{Matrix, norm};
 use thetahat_model::{
     consistency::{Beliefs, ConsistentSet, stated_links},
-    dynamics::{DynamicParameters, Model, Workspace},
-    robot::{Bound, ParameterTable, Role},
+    dynamics::Model,
+    robot::{Bound, Role},
 };
 
 /// Part of the belief's weight for a body that is guessed from the geometry.
@@ -30,23 +33,15 @@ pub(super) fn beliefs(
     rows: &ModelRows,
     set: &ConsistentSet,
 ) -> Beliefs {
-    let robot = identification.setup().robot;
-    let table = set.parameter_table();
-    let stated = stated_links(robot);
-    let is_guessed = |k: usize| !stated[k];
+    let part = |is_stated: bool| if is_stated { 1.0 } else { GUESSED };
     Beliefs {
-        sizes: sizes(identification, problem, rows, set, table),
-        link_parts: (0..stated.len()).map(|k| if is_guessed(k) { GUESSED } else { 1.0 }).collect(),
+        sizes: sizes(identification, problem, rows, set),
+        link_parts: stated_links(identification.setup().robot).into_iter().map(part).collect(),
     }
 }
 
-fn sizes(
-    identification: &Identification,
-    problem: &Problem,
-    rows: &ModelRows,
-    set: &ConsistentSet,
-    table: &ParameterTable,
-) -> Vec<f64> {
+fn sizes(identification: &Identification, problem: &Problem, rows: &ModelRows, set: &ConsistentSet) -> Vec<f64> {
+    let table = set.parameter_table();
     let fitted = fitted(problem, rows, set);
     let usual = usual(problem, rows);
     let motors = motor_inertias(identification, set);
@@ -122,22 +117,11 @@ fn usual(problem: &Problem, rows: &ModelRows) -> Vec<f64> {
 /// Half of each joint's inertia at the mean position, of the a-priori bodies; by joints in the numbering of parameters.
 fn motor_inertias(identification: &Identification, set: &ConsistentSet) -> Vec<f64> {
     let robot = identification.setup().robot;
-    let model = Model::new(robot);
-    let joints = robot.coordinate_joints();
-    let coordinates = model.coordinate_count();
-    let mut sizes = vec![1.0; robot.link_count().max(coordinates)];
-    let Ok(parameters) = DynamicParameters::new(&model, set.a_priori()) else { return sizes };
-    let mut mass = vec![0.0; coordinates * coordinates];
-    model.mass_matrix(&parameters, &mean_position(identification), &mut Workspace::new(&model), &mut mass);
-    for (c, joint) in joints.iter().enumerate() {
-        let inertia = mass[c * coordinates + c];
-        if inertia > 0.0 {
-            sizes[*joint] = MOTOR_PART * inertia;
-        }
+    let mut sizes = vec![1.0; robot.link_count()];
+    let q = identification.main.first().map(|p| p.filtered.motion.q.means()).unwrap_or_default();
+    let Some(inertias) = mass_diagonal(&Model::new(robot), set.a_priori(), &q) else { return sizes };
+    for (joint, inertia) in robot.coordinate_joints().iter().zip(inertias).filter(|(_, inertia)| *inertia > 0.0) {
+        sizes[*joint] = MOTOR_PART * inertia;
     }
     sizes
-}
-
-fn mean_position(identification: &Identification) -> Vec<f64> {
-    identification.main.first().map(|p| p.filtered.motion.q.means()).unwrap_or_default()
 }

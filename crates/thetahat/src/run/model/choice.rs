@@ -1,6 +1,6 @@
 //! The choice of the belief's weight and of the friction's transition by what is left out.
 
-use std::{collections::HashMap, sync::Mutex};
+use std::collections::HashMap;
 
 use super::{
     folds::{FOLDS, ModelFolds},
@@ -83,7 +83,7 @@ impl Choosing<'_> {
             Whitened::new(rows, self.folds, &deviations[DEFAULT.law], &weighted(own, POWER))
         };
         let whitened: Vec<Whitened> = self.laws.iter().zip(&deviations).map(of_law).collect();
-        let search = Search { choosing: self, whitened: &whitened, threads, fitted: Mutex::default() };
+        let mut search = Search { choosing: self, whitened: &whitened, threads, fitted: HashMap::new() };
         let (chosen, candidates) = search.chosen(None);
         let fitted = whitened[chosen.law].all(self.base, self.set)?;
         let standard = fit_within(self.set, &fitted, self.prior(chosen), None, GAPS[1]).ok()?.standard;
@@ -221,7 +221,7 @@ struct Search<'a> {
     whitened: &'a [Whitened],
     threads: usize,
     /// Base parameters; none if a fit has no result.
-    fitted: Mutex<HashMap<Fitted, Option<Vec<f64>>>>,
+    fitted: HashMap<Fitted, Option<Vec<f64>>>,
 }
 
 impl Search<'_> {
@@ -231,7 +231,7 @@ impl Search<'_> {
     }
 
     /// The candidate that is chosen without a part, with all that were compared.
-    fn chosen(&self, kept_out: Option<usize>) -> (Candidate, Vec<ModelCandidate>) {
+    fn chosen(&mut self, kept_out: Option<usize>) -> (Candidate, Vec<ModelCandidate>) {
         let laws: Vec<Candidate> = (0..self.choosing.laws.len()).map(|law| Candidate { law, ..DEFAULT }).collect();
         let (best, mut compared) = self.best_of(&laws, kept_out);
         let weights: Vec<Candidate> =
@@ -242,7 +242,7 @@ impl Search<'_> {
     }
 
     /// The best of candidates, of which the first is the one that the others challenge.
-    fn best_of(&self, candidates: &[Candidate], kept_out: Option<usize>) -> (Candidate, Vec<ModelCandidate>) {
+    fn best_of(&mut self, candidates: &[Candidate], kept_out: Option<usize>) -> (Candidate, Vec<ModelCandidate>) {
         let parts = self.parts(kept_out);
         let mut jobs = Vec::new();
         for candidate in candidates {
@@ -278,15 +278,10 @@ impl Search<'_> {
     }
 
     /// Makes the fits that are missing, several at a time.
-    fn fit_all(&self, jobs: Vec<Fitted>) {
-        let missing: Vec<Fitted> = {
-            let Ok(known) = self.fitted.lock() else { return };
-            jobs.into_iter().filter(|job| !known.contains_key(job)).collect()
-        };
+    fn fit_all(&mut self, jobs: Vec<Fitted>) {
+        let missing: Vec<Fitted> = jobs.into_iter().filter(|job| !self.fitted.contains_key(job)).collect();
         let found = in_parallel(missing.len(), self.threads, |k| self.fit(&missing[k]));
-        if let Ok(mut known) = self.fitted.lock() {
-            known.extend(missing.into_iter().zip(found));
-        }
+        self.fitted.extend(missing.into_iter().zip(found));
     }
 
     fn fit(&self, (candidate, out): &Fitted) -> Option<Vec<f64>> {
@@ -296,8 +291,8 @@ impl Search<'_> {
         Some(base.from_standard(&fit.standard))
     }
 
-    fn estimate(&self, candidate: Candidate, out: Vec<usize>) -> Option<Vec<f64>> {
-        self.fitted.lock().ok()?.get(&(candidate, out)).cloned().flatten()
+    fn estimate(&self, candidate: Candidate, out: Vec<usize>) -> Option<&[f64]> {
+        self.fitted.get(&(candidate, out))?.as_deref()
     }
 
     /// The mean square of the errors in each part.
@@ -305,7 +300,7 @@ impl Search<'_> {
         let rows = &self.whitened[candidate.law];
         let of_part = |part: &usize| {
             let theta = self.estimate(candidate, left_out(*part, kept_out))?;
-            let prediction = rows.x.times(&theta);
+            let prediction = rows.x.times(theta);
             let errors: Vec<f64> = rows.rows_of(*part).map(|k| rows.part[k] * (rows.y[k] - prediction[k])).collect();
             Some(dot(&errors, &errors) / errors.len().max(1) as f64)
         };
@@ -314,7 +309,7 @@ impl Search<'_> {
     }
 
     /// Each part predicted by the candidate that is chosen, and fitted, without it.
-    fn unseen(&self) -> Option<Unseen> {
+    fn unseen(&mut self) -> Option<Unseen> {
         let parts = self.parts(None);
         if parts.is_empty() {
             return None;
@@ -325,7 +320,7 @@ impl Search<'_> {
             let (chosen, _) = self.chosen(Some(part));
             self.fit_all(vec![(chosen, vec![part])]);
             let theta = self.estimate(chosen, vec![part])?;
-            let prediction = self.choosing.laws[chosen.law].x.times(&theta);
+            let prediction = self.choosing.laws[chosen.law].x.times(theta);
             for k in self.whitened[chosen.law].rows_of(part) {
                 (unseen.prediction[k], unseen.seen[k]) = (prediction[k], true);
             }

@@ -29,7 +29,7 @@ use thetahat_report::results::{
     ModelCause, ModelError, ModelParameter, ModelResult, ModelStandardParameter, NOMINAL, RunResult,
 };
 
-/// Velocities at which the sign of Coulomb friction is `tanh(1)`, rad/s; the first is the default.
+/// Velocities v of `tanh(dq / v)`, the sign of the Coulomb friction, rad/s; the first is the default.
 const TRANSITIONS: [f64; 5] = [0.03, 0.001, 0.003, 0.01, 0.1];
 /// Radians of a motor for each metre of a robot whose joints all slide: a pinion of 0.1 m.
 const SLIDING: f64 = 10.0;

@@ -69,7 +69,10 @@ pub(super) fn causes(
         let evidence = |k: usize| found[k].as_ref().map(|f| f.log10_p);
         let shown = (0..count).filter_map(|k| Some((k, evidence(k)?))).filter(|(_, log10_p)| *log10_p < NAMED);
         let Some((best, log10_p)) = shown.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
-        let is_rival = |k: &usize| *k != best && evidence(*k).is_some_and(|p| p < NAMED && p < RIVAL * log10_p);
+        // Other instants of a payload are the same cause.
+        let kind = |k: usize| residual.candidates[k].cause.kind;
+        let is_other = |k: usize| k != best && !(kind(k) == CauseKind::Payload && kind(best) == CauseKind::Payload);
+        let is_rival = |k: &usize| is_other(*k) && evidence(*k).is_some_and(|p| p < NAMED && p < RIVAL * log10_p);
         let rivals: Vec<usize> = (0..count).filter(is_rival).collect();
         let Some(strongest) = &found[best] else { break };
         let moved = moved(&residual, problem, best, strongest);

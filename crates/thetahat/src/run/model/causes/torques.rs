@@ -5,7 +5,10 @@ use crate::{
     preparation::{FilteredRecording, Problem},
     run::{identification::Identification, model::rows::ModelRows},
 };
-use thetahat_estimation::{identification::Assembly, signal::Motion};
+use thetahat_estimation::{
+    identification::Assembly,
+    signal::{Derivative, Motion},
+};
 use thetahat_ground::{pool::in_parallel, series::Series};
 use thetahat_model::{
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
@@ -42,7 +45,7 @@ pub(super) struct Torques<'a> {
     rows: &'a ModelRows,
     standard: &'a [f64],
     sign: Sign,
-    robot: Robot,
+    robot: &'a Robot,
     /// Of each recording, with the model as it is.
     predicted: Vec<Series>,
 }
@@ -55,7 +58,7 @@ impl<'a> Torques<'a> {
         standard: &'a [f64],
         sign: Sign,
     ) -> Option<Self> {
-        let robot = identification.setup().robot.clone();
+        let robot = identification.setup().robot;
         let mut torques = Self { identification, problem, rows, standard, sign, robot, predicted: Vec::new() };
         let predicted = |r: &FilteredRecording| torques.of(&torques.problem.model, standard, &r.motion, r);
         torques.predicted = torques.recordings().map(predicted).collect::<Option<Vec<_>>>()?;
@@ -173,7 +176,7 @@ impl<'a> Torques<'a> {
     /// Torques that are d late are `tau - d dtau/dt`, by the slope of the predicted torque, which has no noise.
     fn late_torque(&self) -> Option<Vec<f64>> {
         let slopes = self.recordings().zip(&self.predicted).map(|(recording, predicted)| {
-            let mut slope = slope(predicted, recording.recording.sample_rate_hz);
+            let mut slope = Derivative::Central.of(predicted, recording.recording.sample_rate_hz);
             slope.values_mut().iter_mut().for_each(|v| *v = -*v);
             slope
         });
@@ -202,11 +205,10 @@ impl<'a> Torques<'a> {
     }
 
     fn length(&self, joint: usize, axis: usize) -> Option<Vec<f64>> {
-        let mut robot = Robot { friction: self.identification.setup().robot.friction, ..self.robot.clone() };
+        let mut robot = self.robot.clone();
         robot.joints[joint].placement.origin[axis] += STEP;
         let model = Model::new(&robot);
-        (model.parameter_table() == self.problem.model.parameter_table())
-            .then(|| self.difference(STEP, |r| self.of(&model, self.standard, &r.motion, r)))?
+        self.difference(STEP, |r| self.of(&model, self.standard, &r.motion, r))
     }
 
     /// The link of an elastic joint is at `q - tau / k`, where the encoder is at the motor.
@@ -216,8 +218,8 @@ impl<'a> Torques<'a> {
         for recording in self.recordings() {
             let rate = recording.recording.sample_rate_hz;
             let at_link = self.of(&self.problem.model, &bodies, &recording.motion, recording)?;
-            let first = slope(&at_link, rate);
-            let second = slope(&first, rate);
+            let first = Derivative::Central.of(&at_link, rate);
+            let second = Derivative::Central.of(&first, rate);
             let mut motion = recording.motion.clone();
             for (series, change) in [(&mut motion.q, &at_link), (&mut motion.dq, &first), (&mut motion.ddq, &second)] {
                 (0..series.len()).for_each(|k| series.sample_mut(k)[j] -= COMPLIANCE * change.sample(k)[j]);
@@ -346,18 +348,4 @@ impl<'a> Torques<'a> {
         };
         (0..INSTANTS).map(from).collect()
     }
-}
-
-/// Central differences over time.
-fn slope(series: &Series, rate_hz: f64) -> Series {
-    let (samples, channels) = (series.len(), series.channels());
-    let mut out = Series::zeros(samples, channels);
-    for k in 0..samples {
-        let (before, after) = (k.saturating_sub(1), (k + 1).min(samples - 1));
-        let step = (after - before).max(1) as f64 / rate_hz;
-        for j in 0..channels {
-            out.sample_mut(k)[j] = (series.sample(after)[j] - series.sample(before)[j]) / step;
-        }
-    }
-    out
 }
