@@ -26,6 +26,7 @@ mod normality;
 #[doc(hidden)]
 pub mod quantile;
 mod relevance;
+mod repeated;
 mod sandwich;
 mod stationary;
 mod student;
@@ -44,6 +45,8 @@ pub use normality::jarque_bera;
 #[doc(hidden)]
 pub use quantile::{median, quantile};
 pub use relevance::{InstrumentStrength, instrument_strength};
+#[doc(hidden)]
+pub use repeated::repeated_widening;
 pub use sandwich::Sandwich;
 pub use stationary::EstimatedVariance;
 pub use student::t_quantile;

@@ -57,7 +57,8 @@ impl Sandwich<'_> {
     ///    uncorrected one.
     /// 3. Joints whose errors are significantly correlated at equal times add their cross-covariances; joints of different
     ///    recordings never do.
-    /// 4. The degrees of freedom are Satterthwaite's, `2 V^2 / var(V)`, for the quadratic form V with a given bandwidth: for very
+    /// 4. Errors that a motion repeats with itself add what their products in different periods say.
+    /// 5. The degrees of freedom are Satterthwaite's, `2 V^2 / var(V)`, for the quadratic form V with a given bandwidth: for very
     ///    slow errors up to half too many.
     ///
     /// It does not account for errors whose size depends on the motion; [`Sandwich::newey_west`] does.
@@ -77,7 +78,14 @@ impl Sandwich<'_> {
         let freedom: Vec<f64> = own.iter().zip(spread).map(|(v, s)| freedom(*v, s, self.residual.len())).collect();
         let cross = self.cross_terms(&blocks);
         own.iter_mut().zip(cross).zip(uncorrected).for_each(|((v, c), least)| *v = (*v + c).max(least));
-        own.into_iter().zip(freedom).map(|(variance, freedom)| EstimatedVariance { variance, freedom }).collect()
+        let repeated = self.repeated(&blocks, &leverage);
+        let most = repeated.as_ref().map_or(f64::INFINITY, |r| r.freedom);
+        let added = repeated.map_or_else(|| vec![0.0; own.len()], |r| r.variances);
+        let estimated = |((own, added), freedom): ((f64, f64), f64)| EstimatedVariance {
+            variance: own + added,
+            freedom: freedom.min(most),
+        };
+        own.into_iter().zip(added).zip(freedom).map(estimated).collect()
     }
 
     /// One pass: `gamma(l) = (r(l) - bias(l)) / (n - l)`, with r(l) the sums of lagged products of the residual and

@@ -6,6 +6,7 @@ use super::{
     folds::{FOLDS, ModelFolds},
     rows::ModelRows,
 };
+use thetahat_estimation::statistics::repeated_widening;
 use thetahat_ground::{
     linear_algebra::{Matrix, dot, norm},
     pool::in_parallel,
@@ -108,7 +109,7 @@ impl Choosing<'_> {
         Whitened::new(&self.laws[law], self.folds, deviations, deviations).all(self.base, self.set)
     }
 
-    /// The long-run deviation of each joint's residual, next to free estimates.
+    /// The long-run deviation of each joint's residual, next to free estimates; along a motion that repeats, with errors that do.
     fn deviations(&self, rows: &ModelRows) -> Option<Vec<f64>> {
         let torque: Vec<f64> = rows.layout.by_joint(&rows.y).iter().map(|y| rms(y)).collect();
         let largest = torque.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
@@ -123,9 +124,11 @@ impl Choosing<'_> {
             let fit = fit_within(self.set, &data, prior, start.as_deref(), GAPS[0]).ok()?;
             let prediction = rows.x.times(&self.base.from_standard(&fit.standard));
             let residual: Vec<f64> = rows.y.iter().zip(prediction).map(|(y, p)| y - p).collect();
-            let of_joint = |e: &Vec<f64>| if round + 1 == ROUNDS { long_run_deviation(e) } else { rms(e) };
-            let found = rows.layout.by_joint(&residual);
-            deviations = found.iter().zip(&least).map(|(e, least)| of_joint(e).max(*least)).collect();
+            let last = round + 1 == ROUNDS;
+            let repeated = if last { repeated_widening(&rows.layout, &residual) } else { vec![1.0; least.len()] };
+            let of_joint = |e: &Vec<f64>| if last { long_run_deviation(e) } else { rms(e) };
+            let found = rows.layout.by_joint(&residual).into_iter().zip(repeated);
+            deviations = found.zip(&least).map(|((e, r), least)| (of_joint(&e) * r.sqrt()).max(*least)).collect();
             start = Some(fit.standard);
         }
         Some(deviations)

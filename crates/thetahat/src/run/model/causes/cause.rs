@@ -7,4 +7,6 @@ pub(super) struct Cause {
     pub(super) subject: String,
     pub(super) unit: &'static str,
     pub(super) columns: Vec<Vec<f64>>,
+    /// The only column without the noise of the recorded motion, of a cause that this noise imitates.
+    pub(super) instrument: Option<Vec<f64>>,
 }

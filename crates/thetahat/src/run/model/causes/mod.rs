@@ -42,7 +42,9 @@ pub(super) fn causes(
 ) -> (Vec<ModelCause>, Vec<SmallestShown>) {
     let nothing = || (Vec::new(), Vec::new());
     let sign = Sign::Smooth { scale: transition };
-    let Some(torques) = Torques::new(identification, problem, rows, standard, sign) else { return nothing() };
+    let Some(torques) = Torques::new(identification, problem, rows, standard, sign) else {
+        return nothing();
+    };
     let candidates = torques.causes(identification.threads);
     let late = candidates.iter().position(|c| c.kind == CauseKind::LateTorque);
     // A delay shows where the torque changes: at reversals, which all others leave out. Its size is too small where the position

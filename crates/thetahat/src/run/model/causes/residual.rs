@@ -12,6 +12,8 @@ const RANK: f64 = 1e-7;
 const SEEN: f64 = 1e-6;
 /// The same between the columns of one cause.
 const OWN_RANK: f64 = 1e-3;
+/// Least correlation of an instrument with its column.
+const STRONG: f64 = 0.3;
 /// The least probability that is distinguished from zero.
 const LEAST: f64 = 1e-300;
 
@@ -30,6 +32,8 @@ pub(super) struct Candidate {
     whitened: Matrix,
     sizes: Vec<f64>,
     columns: Matrix,
+    /// The same of its instrument.
+    instrument: Option<Matrix>,
 }
 
 /// What a cause explains.
@@ -59,9 +63,11 @@ impl Residual {
         let candidates = causes
             .into_iter()
             .map(|cause| {
-                let whitened = Matrix::from_columns(y.len(), cause.columns.concat()).scale_rows(&scale);
+                let whiten = |columns: Vec<f64>| Matrix::from_columns(y.len(), columns).scale_rows(&scale);
+                let whitened = whiten(cause.columns.concat());
+                let instrument = cause.instrument.as_ref().map(|z| outside_all(&explained, &whiten(z.clone())));
                 let sizes = (0..whitened.columns()).map(|c| norm(whitened.column(c))).collect();
-                Candidate { columns: outside_all(&explained, &whitened), whitened, sizes, cause }
+                Candidate { columns: outside_all(&explained, &whitened), whitened, sizes, cause, instrument }
             })
             .collect();
         (torque > 0.0).then_some(Self { factor, rank, rest, torque, candidates })
@@ -69,7 +75,10 @@ impl Residual {
 
     /// What a cause explains of the residual; none if no motion of the recordings shows it.
     pub(super) fn test(&self, candidate: usize) -> Option<Evidence> {
-        let Candidate { cause, sizes, columns, .. } = &self.candidates[candidate];
+        let Candidate { cause, sizes, columns, instrument, .. } = &self.candidates[candidate];
+        if let Some(found) = instrument.as_ref().and_then(|z| self.by_instrument(columns.column(0), z.column(0))) {
+            return Some(found);
+        }
         let seen: Vec<usize> = (0..columns.columns()).filter(|&c| norm(columns.column(c)) > SEEN * sizes[c]).collect();
         if seen.is_empty() || self.rest.len() <= seen.len() {
             return None;
@@ -91,6 +100,20 @@ impl Residual {
         statistic.is_finite().then_some(Evidence { log10_p, size, coefficients, error_percent })
     }
 
+    /// What one column explains, by an instrument z: `z^T rest / z^T c`. None where they are not alike.
+    fn by_instrument(&self, column: &[f64], z: &[f64]) -> Option<Evidence> {
+        let (length, along) = (norm(z), dot(z, column));
+        if along < STRONG * length * norm(column) {
+            return None;
+        }
+        let size = dot(z, &self.rest) / along;
+        let deviation = length / along;
+        let log10_p = ChiSquared::new(1.0).ok()?.sf((size / deviation).powi(2)).max(LEAST).log10();
+        let error_percent = 100.0 * size.abs() * norm(column) / self.torque;
+        let evidence = Evidence { log10_p, size: Some([size, deviation]), coefficients: vec![size], error_percent };
+        size.is_finite().then_some(evidence)
+    }
+
     /// What a cause explains is explained from now on.
     pub(super) fn put_in(&mut self, candidate: usize) {
         let factor = PivotedQr::with_equal_columns(&self.candidates[candidate].columns);
@@ -98,6 +121,7 @@ impl Residual {
         self.rest = outside(&basis, &self.rest);
         for candidate in &mut self.candidates {
             candidate.columns = outside_all(&basis, &candidate.columns);
+            candidate.instrument = candidate.instrument.as_ref().map(|z| outside_all(&basis, z));
         }
     }
 

@@ -7,7 +7,7 @@ use crate::{
 };
 use thetahat_estimation::{
     identification::Assembly,
-    signal::{Derivative, Motion},
+    signal::{Derivative, Motion, Padding, SecondOrderSections, zero_phase},
 };
 use thetahat_ground::{pool::in_parallel, series::Series};
 use thetahat_model::{
@@ -22,6 +22,9 @@ const INSTANTS: usize = 15;
 const STEP: f64 = 1e-3;
 /// Velocities of the laws of friction over speed, over the peak velocity of the joint.
 const SPEEDS: [f64; 2] = [0.05, 0.2];
+/// The filter's cut-off over that of the torques whose slope a delay is measured by, and its order.
+const SMOOTHER: f64 = 5.0;
+const SMOOTHING_ORDER: usize = 4;
 /// Compliance of the difference for elastic joints, rad per N m.
 const COMPLIANCE: f64 = 1e-6;
 
@@ -147,7 +150,7 @@ impl<'a> Torques<'a> {
         let joint = |j: usize| format!("joint {}", j + 1);
         let nothing = String::new;
         let (kind, subject, unit, columns) = match tried {
-            Tried::LateTorque => (CauseKind::LateTorque, nothing(), "s", vec![self.late_torque()]),
+            Tried::LateTorque => (CauseKind::LateTorque, nothing(), "s", vec![self.slope(&self.predicted)]),
             Tried::LoadFriction => (CauseKind::LoadFriction, nothing(), "", self.load_friction()),
             Tried::SpeedFriction => (CauseKind::SpeedFriction, nothing(), "", self.speed_friction()),
             Tried::FrictionDrift => (CauseKind::FrictionDrift, nothing(), "", self.friction_drift()),
@@ -166,7 +169,9 @@ impl<'a> Torques<'a> {
             }
         };
         let columns = columns.into_iter().collect::<Option<Vec<_>>>().filter(|c| !c.is_empty())?;
-        Some(Cause { kind, subject, unit, columns })
+        let is_late = kind == CauseKind::LateTorque;
+        let instrument = if is_late { self.smoothed().and_then(|torques| self.slope(&torques)) } else { None };
+        Some(Cause { kind, subject, unit, columns, instrument })
     }
 
     fn kind(&self, j: usize) -> JointKind {
@@ -174,13 +179,24 @@ impl<'a> Torques<'a> {
     }
 
     /// Torques that are d late are `tau - d dtau/dt`, by the slope of the predicted torque, which has no noise.
-    fn late_torque(&self) -> Option<Vec<f64>> {
-        let slopes = self.recordings().zip(&self.predicted).map(|(recording, predicted)| {
-            let mut slope = Derivative::Central.of(predicted, recording.recording.sample_rate_hz);
+    fn slope(&self, torques: &[Series]) -> Option<Vec<f64>> {
+        let slopes = self.recordings().zip(torques).map(|(recording, torque)| {
+            let mut slope = Derivative::Central.of(torque, recording.recording.sample_rate_hz);
             slope.values_mut().iter_mut().for_each(|v| *v = -*v);
             slope
         });
         self.column(slopes.collect())
+    }
+
+    /// The predicted torques without the noise that the loop brings into both the motion and the torques.
+    fn smoothed(&self) -> Option<Vec<Series>> {
+        let cutoff_hz = self.identification.setup().settings.signal.cutoff_hz / SMOOTHER;
+        let smoothed = |(recording, torque): (&FilteredRecording, &Series)| {
+            let rate = recording.recording.sample_rate_hz;
+            let filter = SecondOrderSections::butterworth_lowpass(SMOOTHING_ORDER, cutoff_hz, rate).ok()?;
+            zero_phase(&filter, torque, Padding::Matlab).ok()
+        };
+        self.recordings().zip(&self.predicted).map(smoothed).collect()
     }
 
     fn moved_zero(&self, j: usize) -> Option<Vec<f64>> {
@@ -344,7 +360,8 @@ impl<'a> Torques<'a> {
             let sample = self.rows.decimators[0].kept().nth(start).unwrap_or_default();
             let time_s = recording.start_s() + sample as f64 / recording.recording.sample_rate_hz;
             let columns = units.iter().map(after).collect();
-            Cause { kind: CauseKind::Payload, subject: format!("at {time_s:.1} s"), unit: "", columns }
+            let subject = format!("at {time_s:.1} s");
+            Cause { kind: CauseKind::Payload, subject, unit: "", columns, instrument: None }
         };
         (0..INSTANTS).map(from).collect()
     }
