@@ -198,6 +198,12 @@ pub struct Columns {
     /// The side of the gears on which positions and torques were measured
     #[arg(long, value_name = "SIDE", value_parser = side())]
     pub side: Option<Side>,
+    /// Gains of the position controller, N m/rad, one for all or one for each joint: for a log without torques
+    #[arg(long, value_name = "GAINS", value_delimiter = ',')]
+    pub kp: Vec<f64>,
+    /// Gains of its velocity, N m s/rad
+    #[arg(long, value_name = "GAINS", value_delimiter = ',')]
+    pub kd: Vec<f64>,
     /// Start and end of the window, s [default: the moving part]
     #[arg(long, value_names = ["START", "END"], num_args = 2)]
     pub window_s: Option<Vec<f64>>,

@@ -44,8 +44,9 @@ pub fn write_experiment(init: &Init) -> Result<Ending, Box<dyn Error>> {
         .map_err(|e| format!("{}: cannot be written: {e}", init.out.display()))?;
     let to_fill_in: String = proposal.to_fill_in().iter().map(|what| format!("To fill in: {what}\n")).collect();
     let not_used: String = proposal.not_used().iter().map(|what| format!("{what}\n")).collect();
+    let guesses: String = proposal.guesses().iter().map(|what| format!("Assumed: {what}\n")).collect();
     print(&format!(
-        "written: {out}\n{not_used}{to_fill_in}Review it: assumptions are marked as guesses. Then:\n  thetahat check {out}{options}\n  \
+        "written: {out}\n{not_used}{guesses}{to_fill_in}Review it: assumptions are marked as guesses. Then:\n  thetahat check {out}{options}\n  \
          thetahat identify {out}{options}\n",
         out = init.out.display(),
         options = options_for(&files),
@@ -89,6 +90,8 @@ fn request(columns: &Columns) -> ProposalRequest {
         position_unit: columns.position_unit,
         torque_unit: columns.torque_unit,
         side: columns.side,
+        position_gain: columns.kp.clone(),
+        velocity_gain: columns.kd.clone(),
         window_s: columns.window_s.as_ref().map_or([None; 2], |w| [Some(w[0]), Some(w[1])]),
         locked: columns.lock.iter().cloned().collect(),
         ..ProposalRequest::default()

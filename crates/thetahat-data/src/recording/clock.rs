@@ -16,6 +16,11 @@ const MOST_IRREGULAR: f64 = 0.3;
 /// Largest ratio of a recording's duration with gaps to that of its samples: longer gaps separate two recordings.
 const LONGEST: usize = 20;
 
+/// Part of the times that equal the one before from which a clock is coarser than the sampling, and not a sample written twice.
+const COARSE: f64 = 0.15;
+/// Ticks of a coarse clock by which a time may deviate from equal steps.
+const TICKS: f64 = 1.5;
+
 /// The sampling instants of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clock {
@@ -24,6 +29,33 @@ pub struct Clock {
     resampling: Option<Resampling>,
     gaps: Vec<Range<usize>>,
     samples: usize,
+    coarse: Option<CoarseTimes>,
+}
+
+/// Times of a clock whose ticks are longer than the steps of the sampling: the steps are equal, by the number of samples over the
+/// time from the first to the last.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct CoarseTimes {
+    /// The tick of the clock, in the unit of the times.
+    pub(super) tick: f64,
+    /// The step of the sampling.
+    pub(super) step: f64,
+}
+
+impl CoarseTimes {
+    /// None of times that are not coarse, that fall, or that are far from equal steps.
+    pub(super) fn of(times: &[f64]) -> Option<Self> {
+        let [first, .., last] = times else { return None };
+        let steps = || times.windows(2).map(|pair| pair[1] - pair[0]);
+        let repeated = steps().filter(|step| *step == 0.0).count();
+        if (repeated as f64) < COARSE * times.len() as f64 || steps().any(|step| step < 0.0 || !step.is_finite()) {
+            return None;
+        }
+        let tick = steps().filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
+        let step = (last - first) / (times.len() - 1) as f64;
+        let is_near = |(k, time): (usize, &f64)| (time - first - step * k as f64).abs() <= TICKS * tick;
+        (step > 0.0 && times.iter().enumerate().all(is_near)).then_some(Self { tick, step })
+    }
 }
 
 /// How far the recorded time steps deviate from the usual one, in steps, if a recording is resampled to equal steps.
@@ -48,11 +80,12 @@ impl Clock {
     /// Equal steps at a stated rate.
     #[must_use]
     pub fn uniform(sample_rate_hz: f64) -> Self {
-        Self { sample_rate_hz, stamps: None, resampling: None, gaps: Vec::new(), samples: 0 }
+        Self { sample_rate_hz, stamps: None, resampling: None, gaps: Vec::new(), samples: 0, coarse: None }
     }
 
     /// The clock of recorded times in s. Steps that deviate from the usual one by more than [`STEP_TOLERANCE`] of it are
-    /// made equal by [`Clock::to_equal_steps`]; a step that is longer by more than `largest_jitter` of it is a gap.
+    /// made equal by [`Clock::to_equal_steps`]; a step that is longer by more than `largest_jitter` of it is a gap. Where the clock's
+    /// ticks are longer than the steps, many times are doubled: then the steps are equal, by the number of samples.
     ///
     /// `file` and `column` identify the times in error messages.
     ///
@@ -69,6 +102,11 @@ impl Clock {
             return Err(RecordingError::TooFewTimes { file: file.into(), column: column.into(), found: stamps.len() });
         };
         require_finite(&stamps, file, column)?;
+        if let Some(coarse) = CoarseTimes::of(&stamps) {
+            let equal = (0..stamps.len()).map(|k| first + coarse.step * k as f64).collect();
+            let clock = Self::uniform(1.0 / coarse.step);
+            return Ok(Self { stamps: Some(equal), samples: stamps.len(), coarse: Some(coarse), ..clock });
+        }
         require_increasing(&stamps, file, column)?;
         let steps: Vec<f64> = stamps.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let stretches = Stretches::of(&steps, largest_jitter.max(STEP_TOLERANCE));
@@ -104,7 +142,20 @@ impl Clock {
         };
         let is_uneven = resampling.largest_deviation > STEP_TOLERANCE || samples != stamps.len();
         let resampling = is_uneven.then_some(resampling);
-        Ok(Self { sample_rate_hz: 1.0 / step, stamps: Some(stamps), resampling, gaps, samples })
+        Ok(Self { sample_rate_hz: 1.0 / step, stamps: Some(stamps), resampling, gaps, samples, coarse: None })
+    }
+
+    /// Whether times are those of a clock that is coarser than the sampling.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn is_coarse(times: &[f64]) -> bool {
+        CoarseTimes::of(times).is_some()
+    }
+
+    /// The tick of a clock that is coarser than the sampling, s.
+    #[must_use]
+    pub fn coarse_tick_s(&self) -> Option<f64> {
+        self.coarse.map(|coarse| coarse.tick)
     }
 
     /// Samples per second: one divided by the usual step.
@@ -311,6 +362,25 @@ mod tests {
         let clock = clock(vec![0.0, 1.0, 2.3]).unwrap();
         let even = clock.to_equal_steps(Series::shaped(1, vec![0.0, 2.0, 4.6]));
         assert!((even.sample(1)[0] - 2.3).abs() < 1e-12);
+    }
+
+    /// A clock of 8 ms on samples of 4 ms, and one of 10 ms on samples of 4 ms.
+    #[test]
+    fn a_coarse_clock_has_the_rate_of_its_samples() {
+        for tick in [8.0, 10.0] {
+            let stamps = (0..1000).map(|k| 1e-3 * tick * (4.0 * f64::from(k) / tick).floor()).collect();
+            let clock = clock(stamps).unwrap();
+            assert!((clock.sample_rate_hz() / 250.0 - 1.0).abs() < 3e-3, "{}", clock.sample_rate_hz());
+            assert!(clock.resampling().is_none() && clock.gaps().is_empty());
+            assert!((clock.coarse_tick_s().unwrap() - 1e-3 * tick).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_coarse_clock_with_a_gap_is_refused() {
+        let place = |k: u32| f64::from(if k < 500 { k } else { k + 400 });
+        let stamps = (0..1000).map(|k| 8e-3 * (0.5 * place(k)).floor()).collect();
+        assert!(matches!(clock(stamps), Err(RecordingError::TimeNotIncreasing { .. })));
     }
 
     #[test]

@@ -18,6 +18,9 @@ pub struct RecordingResult {
     pub window_s: [f64; 2],
     /// Deviation of its time steps, if it was resampled to equal steps.
     pub resampling: Option<Resampling>,
+    /// What was changed when it was read, in sentences.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
     /// Bandwidth of torques that were low-pass filtered before they were recorded, Hz; `null` for raw torques.
     #[serde(default, alias = "torque_ends_hz")]
     pub torque_bandwidth_hz: Option<f64>,

@@ -117,6 +117,20 @@ pub(super) fn says_only_desired(name: &str) -> bool {
     has_word(&words, &DESIRED_WORDS) && !lists.iter().any(|list| has_word(&words, list))
 }
 
+/// Whether a name says that values are torques or forces, and not the signal of a drive.
+pub(super) fn says_torque(name: &str) -> bool {
+    const TORQUES: [&str; 11] =
+        ["tau", "torque", "torques", "trq", "effort", "efforts", "moment", "moments", "force", "drehmoment", "momente"];
+    has_word(&words(name), &TORQUES)
+}
+
+/// Whether a name is that of a torque which a controller computed.
+pub(super) fn says_desired_torque(name: &str) -> bool {
+    let words = words(name);
+    let is_desired = without_desired(&words).is_some() || has_word(&words, &DESIRED_WORDS);
+    has_word(&words, &TORQUE) && is_desired
+}
+
 /// The words without the one for "desired"; `None` if there is no such word.
 fn without_desired(words: &[String]) -> Option<Vec<String>> {
     let at = words.iter().skip(1).rposition(|word| word == DESIRED)? + 1;

@@ -14,6 +14,7 @@
 //! ```
 
 mod column_names;
+mod copies;
 mod delays;
 mod description;
 mod error;
@@ -43,6 +44,6 @@ pub use proposal::{
     Proposal, ProposalError, ProposalFiles, ProposalRequest, ProposedChannels, ProposedSignal, propose,
 };
 #[doc(hidden)]
-pub use proposal::{ProposedClock, ProposedLock, ProposedRecording};
+pub use proposal::{ProposedClock, ProposedControl, ProposedLock, ProposedRecording};
 #[doc(hidden)]
 pub use twin::{TwinMotion, TwinReference};

@@ -3,12 +3,13 @@
 use std::{collections::BTreeMap, path::Path};
 
 use super::{
+    copies::{selected, without_copies},
     delays::without_delays,
     description::{Experiment, RecordingDescription},
     error::ExperimentError,
 };
-use crate::preparation::{PreparationError, Recording};
-use thetahat_data::recording::{self, ChannelSource, Clock, RecordingError, Side};
+use crate::preparation::{PreparationError, Recording, unwrap};
+use thetahat_data::recording::{self, ChannelSource, Clock, Dimension, RecordingError, Side};
 use thetahat_ground::series::Series;
 
 /// Largest difference of the channels' times in a sample of a long table, in steps.
@@ -44,11 +45,21 @@ impl Experiment {
             recording::same_length(&position, "position", &file, series, signal, &source.path(data))?;
         }
         let channels = read_other_channels(description, data, &position)?;
-        let clock = read_clock(description, data, &position)?;
-        let recording = described(description, number, data, position, &clock);
+        let times = read_times(description, data, &position)?;
+        let read = Recording {
+            torque,
+            velocity,
+            reference,
+            added_signal,
+            channels,
+            ..Recording::without_torque(1.0, position)
+        };
+        let (read, times) = with_samples_once(read, times);
+        let clock = clock_of(description, data, times)?;
+        let recording = described(description, number, data, read, &clock);
         let is_held = description.torque.as_ref().is_some_and(|torque| torque.held);
         let recording = if is_held { recording.with_held_torque() } else { recording };
-        let recording = Recording { torque, velocity, reference, added_signal, channels, ..recording };
+        let recording = recording.unwrapped(&self.robot);
         let recording = without_delays(recording.into_equal_steps(&clock), description);
         Ok(match &description.reference_correction {
             Some(correction) => recording.with_corrected_reference(correction),
@@ -64,8 +75,12 @@ impl Experiment {
     ) -> Result<Recording, ExperimentError> {
         let position = self.read_joint_positions(&description.position, data)?;
         let channels = read_other_channels(description, data, &position)?;
-        let clock = read_clock(description, data, &position)?;
-        let recording = Recording { channels, ..described(description, 1, data, position, &clock) };
+        let times = read_times(description, data, &position)?;
+        let read = Recording { channels, ..Recording::without_torque(1.0, position) };
+        let (read, times) = with_samples_once(read, times);
+        let clock = clock_of(description, data, times)?;
+        let recording = described(description, 1, data, read, &clock);
+        let recording = recording.unwrapped(&self.robot);
         Ok(without_delays(recording.into_equal_steps(&clock), description))
     }
 
@@ -77,10 +92,14 @@ impl Experiment {
         })
     }
 
+    /// Positions of the joints. Angles of motors that wrap are unwrapped before the gears, after which they show no turns.
     pub(super) fn read_joint_positions(&self, source: &ChannelSource, data: &Path) -> Result<Series, ExperimentError> {
-        let series = self.read_channels(source, data)?;
+        let mut series = self.read_channels(source, data)?;
         Ok(match source.side {
-            Side::Motor => self.robot.transmission.joint_positions(&series),
+            Side::Motor => {
+                unwrap(&mut series, |channel| source.unit.of(channel).dimension() == Dimension::Angle);
+                self.robot.transmission.joint_positions(&series)
+            }
             Side::Joint => series,
         })
     }
@@ -104,12 +123,31 @@ impl Experiment {
     }
 }
 
-/// A recording of positions with what its description says.
+/// The recording without samples that were written twice, which its notes name.
+fn with_samples_once(mut read: Recording, times: Option<Vec<f64>>) -> (Recording, Option<Vec<f64>>) {
+    let Some(all) = &times else { return (read, times) };
+    let optional = [&read.torque, &read.velocity, &read.reference, &read.added_signal];
+    let series: Vec<&Series> =
+        [&read.position].into_iter().chain(optional.into_iter().flatten()).chain(read.channels.values()).collect();
+    let Some(kept) = without_copies(all, &series) else { return (read, times) };
+    let copies = all.len() - kept.len();
+    let (are, the) = if copies == 1 { ("sample is a copy", "was") } else { ("samples are copies", "were") };
+    read.notes.push(format!("{copies} {are} of the one before, with its time, and {the} left out"));
+    read.position = selected(&read.position, &kept);
+    for series in [&mut read.torque, &mut read.velocity, &mut read.reference, &mut read.added_signal] {
+        *series = series.as_ref().map(|s| selected(s, &kept));
+    }
+    read.channels.values_mut().for_each(|s| *s = selected(s, &kept));
+    let times = kept.iter().map(|&k| all[k]).collect();
+    (read, Some(times))
+}
+
+/// A recording with what its description says.
 fn described(
     description: &RecordingDescription,
     number: usize,
     data: &Path,
-    position: Series,
+    read: Recording,
     clock: &Clock,
 ) -> Recording {
     let stated = description.sample_rate_hz.filter(|_| description.time.is_none());
@@ -120,6 +158,8 @@ fn described(
         name: description.name.clone().unwrap_or_else(|| number.to_string()),
         weight: description.weight,
         payload: description.payload.clone(),
+        notes: read.notes.into_iter().chain(clock.coarse_tick_s().map(note_of_coarse_clock)).collect(),
+        sample_rate_hz: clock.sample_rate_hz(),
         time_stamps_s: clock.stamps().map(<[f64]>::to_vec),
         contradicting_times,
         window_s: [description.window_start_s, description.window_end_s],
@@ -127,8 +167,15 @@ fn described(
             .into_iter()
             .flatten()
             .any(|s| s.side == Side::Motor),
-        ..Recording::without_torque(clock.sample_rate_hz(), position)
+        ..read
     }
+}
+
+fn note_of_coarse_clock(tick_s: f64) -> String {
+    format!(
+        "its clock has ticks of {:.3} ms, longer than the steps: the rate is the number of samples over their time",
+        1e3 * tick_s
+    )
 }
 
 /// The times of the samples of a long table, in which each channel has its own: their mean, where they are of one instant.
@@ -167,14 +214,28 @@ fn read_other_channels(
     description.channels.iter().map(read).collect()
 }
 
-fn read_clock(description: &RecordingDescription, data: &Path, position: &Series) -> Result<Clock, ExperimentError> {
-    let Some(source) = &description.time else {
-        return Ok(Clock::uniform(description.sample_rate_hz.unwrap_or_default()));
-    };
+/// The recorded times in s; none where a rate is stated.
+fn read_times(
+    description: &RecordingDescription,
+    data: &Path,
+    position: &Series,
+) -> Result<Option<Vec<f64>>, ExperimentError> {
+    let Some(source) = &description.time else { return Ok(None) };
     let time = recording::read_channels(source, data)?;
     let time = of_all_channels(time, source, &source.path(data))?;
     recording::one_channel(&time, "time", &source.path(data))?;
     recording::same_length(position, "position", &description.position.path(data), &time, "time", &source.path(data))?;
+    Ok(Some(time.channel(0)))
+}
+
+fn clock_of(
+    description: &RecordingDescription,
+    data: &Path,
+    times: Option<Vec<f64>>,
+) -> Result<Clock, ExperimentError> {
+    let Some((source, times)) = description.time.as_ref().zip(times) else {
+        return Ok(Clock::uniform(description.sample_rate_hz.unwrap_or_default()));
+    };
     let column = source.columns.first().map_or("time", String::as_str);
-    Ok(Clock::from_stamps(time.channel(0), description.largest_jitter, &source.path(data), column)?)
+    Ok(Clock::from_stamps(times, description.largest_jitter, &source.path(data), column)?)
 }

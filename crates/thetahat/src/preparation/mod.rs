@@ -30,6 +30,7 @@ mod settings;
 mod setup;
 mod simulable;
 mod validation;
+mod wrapped;
 
 pub(crate) use consistent_set::consistent_set_of;
 pub use error::PreparationError;
@@ -60,3 +61,4 @@ pub use settings::{Gains, NamedChoice, NamedMask, Settings, Start, StatedMask};
 pub(crate) use setup::{Basis, Setup};
 pub(crate) use simulable::Simulable;
 pub(crate) use validation::validate_window;
+pub(crate) use wrapped::unwrap;

@@ -1,9 +1,14 @@
 use std::{collections::BTreeMap, ops::Range, path::Path};
 
-use super::{error::PreparationError, reference_correction::ReferenceCorrection};
+use super::{
+    error::PreparationError,
+    reference_correction::ReferenceCorrection,
+    wrapped::{align, unwrap},
+};
 use thetahat_data::recording::{Clock, RecordingError, Resampling, same_length};
 use thetahat_estimation::trajectory::Moves;
 use thetahat_ground::series::Series;
+use thetahat_model::robot::{JointKind, Robot};
 
 /// Positions and torques of the joints at equal time steps, and what else was recorded with them.
 ///
@@ -25,6 +30,8 @@ pub struct Recording {
     pub gaps: Vec<Range<usize>>,
     /// A column of times in its file and their rate, Hz, where another rate is stated.
     pub contradicting_times: Option<(String, f64)>,
+    /// What was changed when it was read, in sentences: angles unwrapped, copies left out, a coarse clock.
+    pub notes: Vec<String>,
     /// Start and end of its window, s, where it is another one than that of the settings.
     pub window_s: [Option<f64>; 2],
     /// Positions of the joints, rad or m.
@@ -53,6 +60,12 @@ pub struct Recording {
     pub truth: Option<Vec<f64>>,
 }
 
+/// The note on wrapped angles.
+pub(crate) fn note_of_wraps(joint: &str, count: usize) -> String {
+    let times = if count == 1 { "once".to_owned() } else { format!("{count} times") };
+    format!("the angle of {joint} wraps {times} by one turn: it was unwrapped")
+}
+
 impl Recording {
     /// Positions and torques of the joints, sampled at equal steps.
     #[must_use]
@@ -72,6 +85,7 @@ impl Recording {
             resampling: None,
             gaps: Vec::new(),
             contradicting_times: None,
+            notes: Vec::new(),
             window_s: [None, None],
             position,
             torque: None,
@@ -151,6 +165,20 @@ impl Recording {
     #[must_use]
     pub fn named(self, name: &str) -> Self {
         Self { name: name.to_owned(), ..self }
+    }
+
+    /// The same with the turns that wrapped angles of the joints lost, which its notes name.
+    pub(crate) fn unwrapped(mut self, robot: &Robot) -> Self {
+        let joints: Vec<_> = robot.coordinates().collect();
+        let is_angle = |c: usize| joints.get(c).is_some_and(|joint| joint.kind == JointKind::Revolute);
+        let found = unwrap(&mut self.position, is_angle);
+        if let Some(reference) = &mut self.reference {
+            unwrap(reference, is_angle);
+            let changed = |c: usize| found.iter().any(|w| w.channel == c);
+            align(reference, &self.position, changed);
+        }
+        self.notes.extend(found.iter().map(|w| note_of_wraps(&joints[w.channel].name, w.count)));
+        self
     }
 
     /// The same with something taken off its torques, where it has any.

@@ -199,6 +199,7 @@ impl ReducedRecording {
             sample_rate_hz: self.sample_rate_hz,
             window_s: self.window_s,
             resampling: None,
+            notes: Vec::new(),
             torque_bandwidth_hz: None,
             torque_hold_s: self.torque_hold_s,
             near_rest: self.near_rest.clone(),

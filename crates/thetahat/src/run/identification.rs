@@ -192,6 +192,7 @@ impl Identification {
                 recording.name = (i + 1).to_string();
             }
             recording.validate(self.robot.coordinate_count())?;
+            let recording = recording.unwrapped(&self.robot);
             let simulates = self.settings.controller.is_some() || self.settings.lacks_controller();
             all.push(PreparedRecording::new(self.setup(), recording, simulates)?);
         }

@@ -41,6 +41,7 @@ impl PreparedRecording {
             sample_rate_hz: recording.sample_rate_hz,
             window_s: self.filtered.window_s(),
             resampling: recording.resampling,
+            notes: recording.notes.clone(),
             torque_bandwidth_hz: self.filtered.torque_ends_hz(),
             torque_hold_s: recording.torque_hold_s,
             near_rest: near_rest(&self.filtered, problem),

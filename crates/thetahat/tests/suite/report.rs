@@ -269,6 +269,7 @@ fn results() -> Results {
             sample_rate_hz: 1000.0,
             window_s: [0.05, 0.35],
             resampling: None,
+            notes: Vec::new(),
             torque_bandwidth_hz: None,
             torque_hold_s: 0.0,
             near_rest: None,

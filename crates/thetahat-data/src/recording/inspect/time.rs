@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::super::clock::CoarseTimes;
 use super::super::table::Column;
 use super::super::unit::Unit;
 
@@ -78,7 +79,8 @@ fn time(column: &Column, in_seconds: bool, is_named: bool) -> Option<TimeSummary
         return None;
     }
     let steps: Vec<f64> = column.values.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let step = period(&steps)?;
+    let coarse = CoarseTimes::of(&column.values);
+    let step = coarse.map_or_else(|| period(&steps), |coarse| Some(coarse.step))?;
     let backwards = steps.iter().filter(|step| **step < 0.0).count();
     let (jitter_rms, jitter_max) = jitter(&steps, step);
     let is_even = steps.iter().all(|step| *step > 0.0) && jitter_rms < EVEN && steps.iter().all(|s| *s <= GAP * step);
@@ -93,7 +95,7 @@ fn time(column: &Column, in_seconds: bool, is_named: bool) -> Option<TimeSummary
         rate_hz: 1.0 / (step * unit.to_si()),
         jitter_rms,
         jitter_max,
-        gaps: gaps(&steps, step, unit),
+        gaps: if coarse.is_some() { Vec::new() } else { gaps(&steps, step, unit) },
         repeated: steps.iter().filter(|step| **step == 0.0).count(),
         backwards,
     })

@@ -22,6 +22,10 @@ const JUMP: f64 = 0.5;
 const SIGNIFICANT: f64 = 8.0;
 /// Part of the unexpected step of all joints that a jump in time must explain: an outlier of one joint does not.
 const EXPLAINED: f64 = 0.8;
+/// Part of a jump that the steps before and after it may have: where a motion turns round, all of them deviate from its smoothed velocity.
+const BESIDE: f64 = 0.5;
+/// Part of the steps that are zero from which a joint that moves is quantised, whatever its steps are.
+const MANY_ZEROS: f64 = 0.2;
 /// Samples around a jump within which an outlier returns.
 const AROUND: usize = 3;
 /// Highest cut-off, part of the sample rate, of the velocities for comparison with steps.
@@ -114,6 +118,15 @@ fn dropped(exam: &mut Examination<'_>, signals: &Signals) {
     });
 }
 
+/// The step of a quantised position: that of its grid, or of one whose grid does not show, its usual step; zero if it is not quantised.
+fn count_of(position: &[f64]) -> f64 {
+    let steps = || position.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let zeros = steps().filter(|step| *step == 0.0).count();
+    let usual = || quantile_abs(steps().filter(|step| *step > 0.0), 0.5);
+    let is_coarse = zeros as f64 > MANY_ZEROS * position.len() as f64;
+    step_of(position).unwrap_or_else(|| if is_coarse { usual() } else { 0.0 })
+}
+
 /// The difference of the motion from its velocity, step by step.
 struct StepErrors {
     steps: Vec<Step>,
@@ -141,7 +154,7 @@ impl StepErrors {
         let samples = signals.raw.len().saturating_sub(1);
         let weight = |&j: &usize| {
             // A joint at rest has no error, and at times one of its steps.
-            let count = step_of(&signals.raw.channel(j)).unwrap_or(0.0);
+            let count = count_of(&signals.raw.channel(j));
             let size = (quantile_abs((0..samples).map(|k| step(k, j).1), 0.5) * NORMAL_PER_MEDIAN).max(count);
             1.0 / (size + ROUNDING * quantile_abs((0..samples).map(|k| signals.raw.sample(k)[j]), 1.0)).powi(2)
         };
@@ -170,6 +183,10 @@ impl StepErrors {
             let around = k.saturating_sub(AROUND)..(k + AROUND + 1).min(self.steps.len());
             self.steps[around].iter().map(|s| s.samples).sum::<f64>()
         };
+        let beside = |k: usize| {
+            let next = [k.checked_sub(1), (k + 1 < self.steps.len()).then_some(k + 1)];
+            next.into_iter().flatten().map(|k| self.steps[k].samples).fold(0.0, f64::max)
+        };
         let jump = |&k: &usize| {
             let Step { samples, deviation, explained } = self.steps[k];
             samples > JUMP
@@ -177,6 +194,7 @@ impl StepErrors {
                 && !self.follows_repeat[k]
                 && explained > EXPLAINED
                 && lasting(k) > JUMP
+                && beside(k) < BESIDE * samples
         };
         (0..self.steps.len()).filter(jump).collect()
     }

@@ -66,7 +66,8 @@ fn recordings(label: &'static str, recordings: &[RecordingResult]) -> Vec<(&'sta
             hold => format!("; torques have a hold time of {} ms and were centred", significant(1e3 * hold, 3)),
         };
         let window = format!("{} at {rate} Hz, window {start} s to {end} s", r.samples_used);
-        (label, format!("{name}{window}{weight}{}{ends}{held}", resampled.unwrap_or_default()))
+        let notes: String = r.notes.iter().map(|note| format!("; {note}")).collect();
+        (label, format!("{name}{window}{weight}{}{ends}{held}{notes}", resampled.unwrap_or_default()))
     };
     recordings.iter().map(line).collect()
 }

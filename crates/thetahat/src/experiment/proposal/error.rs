@@ -1,5 +1,7 @@
 use std::path::PathBuf;
 
+use crate::experiment::column_names;
+
 /// Why no experiment can be proposed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -7,8 +9,8 @@ pub enum ProposalError {
     /// The columns of a signal are not clear.
     #[error(
         "{}: the columns of the {signal} are not clear from their names: {problem}; expected one for each joint, {joints} in all; \
-         the columns are: {}",
-        file.display(), columns.join(" ")
+         the columns are: {}{}",
+        file.display(), columns.join(" "), without_torques(signal, columns)
     )]
     UnclearColumns {
         /// The recording.
@@ -176,4 +178,21 @@ pub enum ProposalError {
         /// Its samples.
         other_samples: usize,
     },
+}
+
+/// What to do about a log that may have no torques.
+fn without_torques(signal: &str, columns: &[String]) -> String {
+    let desired: Vec<&str> =
+        columns.iter().map(String::as_str).filter(|c| column_names::says_desired_torque(c)).collect();
+    match (signal, &desired[..]) {
+        ("torque", []) => {
+            "; where no torque is recorded, a log of the commanded positions is needed too: cloe estimates from both"
+                .to_owned()
+        }
+        ("torque", desired) => format!(
+            "; {} hold desired torques, which the controller computed: name them with --torque to take them for measured ones",
+            desired.join(" ")
+        ),
+        _ => String::new(),
+    }
 }

@@ -14,7 +14,12 @@ impl Proposal {
     pub fn with_chosen_filter(self, robot_text: String, data: &Path, threads: usize) -> Result<Self, ExperimentError> {
         let experiment = Experiment::from_texts(Path::new("the proposed experiment"), self.text(), robot_text)?;
         let rate_hz = self.recordings.first().map_or(0.0, |r| r.clock.rate_hz);
-        let signal = if !self.to_fill_in().is_empty() {
+        let signal = if self.control.is_some() {
+            ProposedSignal::not_chosen(
+                rate_hz,
+                "it has no torques; of what is fitted, the positions, the filter takes nothing",
+            )
+        } else if !self.to_fill_in().is_empty() {
             ProposedSignal::not_chosen(rate_hz, "a gain is to be filled in; then `thetahat check` compares filters")
         } else {
             match experiment.choose_filter(data, None, threads) {

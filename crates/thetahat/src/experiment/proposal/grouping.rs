@@ -4,7 +4,8 @@ use super::{super::column_names, error::ProposalError, offer::Offer, source::Sou
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Group {
     pub(super) position: usize,
-    pub(super) torque: usize,
+    /// None where no file has torques, and one has a reference.
+    pub(super) torque: Option<usize>,
     /// Files with velocities, references or times.
     pub(super) others: Vec<usize>,
 }
@@ -12,7 +13,7 @@ pub(super) struct Group {
 impl Group {
     /// Its files, that of the positions first.
     pub(super) fn files(&self) -> impl Iterator<Item = usize> {
-        let torque = (self.torque != self.position).then_some(self.torque);
+        let torque = self.torque.filter(|torque| *torque != self.position);
         [self.position].into_iter().chain(torque).chain(self.others.iter().copied())
     }
 }
@@ -32,12 +33,15 @@ pub(super) fn groups(offers: &[Offer<'_>], joints: usize) -> Result<Vec<Group>, 
         return Err(no_signal(offers, joints, "position", |o| &o.position));
     }
     let partners = Partners { offers, positions: &positions };
+    let has_torques = offers.iter().any(|offer| offer.torque.is_ok());
+    let has_reference = offers.iter().any(|offer| offer.reference.is_some());
     let mut groups = Vec::new();
     for &position in &positions {
         let torque = match offers[position].torque {
-            Ok(_) => position,
+            Ok(_) => Some(position),
+            Err(_) if !has_torques && has_reference => None,
             Err(_) if torques.is_empty() => return Err(no_signal(offers, joints, "torque", |o| &o.torque)),
-            Err(_) => partners.torque_of(position, &torques)?,
+            Err(_) => Some(partners.torque_of(position, &torques)?),
         };
         groups.push(Group { position, torque, others: Vec::new() });
     }
@@ -69,7 +73,7 @@ impl Partners<'_, '_> {
     }
 
     fn all_torques_used(&self, groups: &[Group], torques: &[usize]) -> Result<(), ProposalError> {
-        let users = |torque: usize| groups.iter().filter(|g| g.torque == torque).count();
+        let users = |torque: usize| groups.iter().filter(|g| g.torque == Some(torque)).count();
         torques.iter().find(|&&t| users(t) != 1).map_or(Ok(()), |&t| Err(self.no_partner(t, "torques")))
     }
 

@@ -12,6 +12,7 @@
 //! | `grouping` | which files are of one recording |
 //! | `written`, `unit_names` | the units that names say, of a column and of each channel |
 //! | `gains` | what a gain is to hold, where a unit is no torque |
+//! | `control` | the controller of a log without torques |
 //! | `units` | units and sides, by names and ranges |
 //! | `clock` | times or a rate |
 //! | `recordings` | each recording as it is to be described |
@@ -20,6 +21,7 @@
 
 mod clock;
 mod columns;
+mod control;
 mod error;
 mod files;
 mod filter;
@@ -37,6 +39,7 @@ mod unit_names;
 mod units;
 mod written;
 
+pub use control::ProposedControl;
 pub use error::ProposalError;
 pub use files::ProposalFiles;
 pub use joints::ProposedLock;

@@ -3,6 +3,7 @@ use std::path::PathBuf;
 use super::{
     super::column_names::Signal,
     clock::clock,
+    control::control,
     error::ProposalError,
     grouping::{Group, groups},
     joints::JointsOfLog,
@@ -22,7 +23,8 @@ const REFERENCE_RANGE: f64 = 3.0;
 
 /// An experiment proposed for a robot and its recordings, one [`Contents`] for each file of the request.
 ///
-/// Least squares alone is proposed: the other methods need the controller, which no recording shows.
+/// Methods that fit torques are proposed; of a log without torques, but with a reference, CLOE, which fits positions and takes the
+/// gains of the controller.
 ///
 /// # Errors
 /// [`ProposalError`] where columns or files are not clear from their names; nothing is guessed from the order of columns.
@@ -47,6 +49,10 @@ pub fn propose(
         locks: joints.locks.clone(),
         unused: unused(&sources, &recordings),
         unused_files: unused_files(&sources, &recordings),
+        control: groups
+            .iter()
+            .any(|g| g.torque.is_none())
+            .then(|| control(request, &sources, robot.coordinate_count())),
         recordings,
         signal: ProposedSignal::usual(rate_hz).with_window(request.window_s),
     })
@@ -95,14 +101,15 @@ struct Describer<'d, 'a> {
 
 impl<'a> Describer<'_, 'a> {
     fn recording(&self, named: bool) -> Result<ProposedRecording, ProposalError> {
-        let (p, t) = (&self.offers[self.group.position], &self.offers[self.group.torque]);
-        let (position, torque) = (p.position.as_deref().unwrap_or_default(), t.torque.as_deref().unwrap_or_default());
+        let p = &self.offers[self.group.position];
+        let position = p.position.as_deref().unwrap_or_default();
         let unit = self.units(p).of_position(position)?;
-        let of_torque = self.units(t).of_torque(torque, &unit)?;
-        let mut channels = vec![
-            ("position", self.described(&p.source, position, &unit)),
-            ("torque", self.described(&t.source, torque, &of_torque)),
-        ];
+        let mut channels = vec![("position", self.described(&p.source, position, &unit))];
+        if let Some(t) = self.group.torque.map(|torque| &self.offers[torque]) {
+            let torque = t.torque.as_deref().unwrap_or_default();
+            let of_torque = self.units(t).of_torque(torque, &unit)?;
+            channels.push(("torque", self.described(&t.source, torque, &of_torque)));
+        }
         if let Some((offer, reference)) = self.other(|o| o.reference.as_deref()) {
             channels.push(("reference", self.reference_of(offer, reference, position, &unit)));
         }

@@ -25,6 +25,10 @@ pub struct ProposalRequest {
     pub torque_unit: Option<Unit>,
     /// The side of the gears on which positions and torques were measured; `None` to find it from the names or the range.
     pub side: Option<Side>,
+    /// Gains of the position controller, one for all motors or one for each, N m/rad: for a log without torques.
+    pub position_gain: Vec<f64>,
+    /// Gains of its velocity, N m s/rad, likewise.
+    pub velocity_gain: Vec<f64>,
     /// Start and end of the window, s; `None` for the moving part.
     pub window_s: [Option<f64>; 2],
     /// Joints that do not move, by name, and their coordinates, rad or m, in addition to those without torques in the log.

@@ -549,3 +549,41 @@ fn joints_are_found_by_columns_whose_file_names_the_signal() {
     assert_eq!(proposal.locks.iter().map(|lock| lock.joint.as_str()).collect::<Vec<_>>(), ["head_joint"]);
     assert_eq!(proposal.recordings[0].channels[1].1.columns, ["lift_joint", "arm_joint"]);
 }
+
+/// Positions and commands without torques are for CLOE, with the gains that are stated, or to be filled in.
+#[test]
+fn a_log_without_torques_is_for_cloe() {
+    let header = "t,q1,q2,q1_des,q2_des,des_torque_1,des_torque_2";
+    let stated = ProposalRequest { position_gain: vec![60.0], velocity_gain: vec![2.0, 3.0], ..request() };
+    let text = proposed(header, stated).unwrap();
+    let experiment = super::super::Experiment::from_texts(Path::new("e.toml"), text.clone(), ARM.to_owned()).unwrap();
+    assert!(experiment.file.recording[0].torque.is_none() && text.contains("methods = [\"cloe\"]"), "{text}");
+    assert!(text.contains("position_gain = 60\n") && text.contains("velocity_gain = [2, 3]\n"), "{text}");
+    assert!(text.contains("des_torque_1 des_torque_2: desired torques"), "{text}");
+    let open = proposed_from(&[("log.csv", header)], request(), ARM).unwrap();
+    assert!(open.to_fill_in().join(" ").contains("--kp and --kd"), "{:?}", open.to_fill_in());
+    let error = proposed("t,q1,q2,target_moment_1,target_moment_2", request()).unwrap_err().to_string();
+    assert!(error.contains("target_moment_1 target_moment_2 hold desired torques"), "{error}");
+}
+
+/// The name of a file is no unit, and drive signals are no torques where the robot has drive gains.
+#[test]
+fn drive_signals_and_names_of_files_are_not_taken_for_torques() {
+    let driven = format!("{ARM}[transmission]\nmatrix = [[1, 0], [0, 1]]\ndrive_gain = [35, 20]\n");
+    let text = |header: &str| proposed_from(&[("log.csv", header)], request(), &driven).unwrap().text();
+    assert!(text("t,q1,q2,vir1,vir2").contains("unit = \"V\", side = \"motor\""), "{}", text("t,q1,q2,vir1,vir2"));
+    assert!(text("t,q1,q2,u1,u2").contains("unit = \"V\", side = \"motor\""), "{}", text("t,q1,q2,u1,u2"));
+    assert!(text("t,q1,q2,tau1,tau2").contains("unit = \"N m\" }"), "{}", text("t,q1,q2,tau1,tau2"));
+    let files = [("q_deg.csv", "t,a,b"), ("tau_mNm.csv", "a,b")];
+    let text = proposed_from(&files, request(), ARM).unwrap().text();
+    assert!(text.contains("unit = \"rad\"") && text.contains("the name of the file says deg"), "{text}");
+    assert!(text.contains("unit = \"N m\"") && text.contains("only the name of the file says mN m"), "{text}");
+}
+
+/// Positions that a name says to be of motors, in the range of the joints, are of joints.
+#[test]
+fn the_side_is_that_of_the_values() {
+    let geared = format!("{ARM}[transmission]\nmatrix = [[100, 0], [0, 100]]\n");
+    let text = proposed_from(&[("log.csv", "t,mot_pos_1,mot_pos_2,tau1,tau2")], request(), &geared).unwrap().text();
+    assert!(!text.contains("side = \"motor\""), "{text}");
+}

@@ -1,6 +1,6 @@
 use std::{fmt::Write as _, path::PathBuf};
 
-use super::joints::ProposedLock;
+use super::{control::ProposedControl, joints::ProposedLock};
 use thetahat_data::recording::{Side, Unit};
 use thetahat_ground::{one_or_each::OneOrEach, output::PROPOSAL, visible::visible};
 use thetahat_report::results::{Filter, FilterChoice};
@@ -10,6 +10,11 @@ const GUESS: &str = "a guess";
 
 /// Columns that are left out and shown by name.
 const SHOWN: usize = 8;
+
+/// The methods where torques are recorded.
+const OF_TORQUES: &str = "\n# Rows are weighted by joint. IDIM-IV tests IDIM-WLS; without [controller] it simulates a guess of the closed loop, which is \
+     enough for it. With\n# the controller's law in [controller] (docs/reference/experiments.md) \"didim\" can be added.\n\
+     [estimation]\nmethods = [\"idim-wls\", \"idim-iv\"]\nweighting = { idim-iv = \"per-joint\" }\n";
 
 /// An experiment as it is proposed. [`Proposal::text`] is its file.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,6 +29,8 @@ pub struct Proposal {
     pub unused: Vec<String>,
     /// Files of which nothing is used.
     pub unused_files: Vec<PathBuf>,
+    /// The controller, where the log has no torques.
+    pub control: Option<ProposedControl>,
     /// The recordings.
     pub recordings: Vec<ProposedRecording>,
     /// Filters, decimation and window.
@@ -166,9 +173,7 @@ impl Proposal {
         let head = if self.recordings.len() == 1 { "[recording]" } else { "[[recording]]" };
         self.recordings.iter().for_each(|recording| text += &format!("\n{head}\n{}", recording.text()));
         text += &self.signal.text();
-        text += "\n# Rows are weighted by joint. IDIM-IV tests IDIM-WLS; without [controller] it simulates a guess of the closed loop, which is enough for it. \
-                 With\n# the controller's law in [controller] (docs/reference/experiments.md) \"didim\" can be added.\n\
-                 [estimation]\nmethods = [\"idim-wls\", \"idim-iv\"]\nweighting = { idim-iv = \"per-joint\" }\n";
+        text += &self.control.as_ref().map_or_else(|| OF_TORQUES.to_owned(), ProposedControl::text);
         text
     }
 
@@ -191,6 +196,7 @@ impl Proposal {
         let channels = self.recordings.iter().flat_map(|recording| &recording.channels);
         let mut sentences: Vec<String> = channels.filter_map(|(_, channels)| channels.gain.clone()).collect();
         sentences.dedup();
+        sentences.extend(self.control.as_ref().and_then(ProposedControl::to_fill_in));
         sentences
     }
 

@@ -3,7 +3,7 @@
 use super::{
     super::column_names::{self, Signal},
     source::{SelectedColumn, Source},
-    written::{Written, dimensions, of_a_drive, spelt_out, written},
+    written::{Written, dimensions, written},
 };
 use thetahat_data::recording::{Dimension, Unit};
 use thetahat_model::robot::{Joint, JointKind};
@@ -28,7 +28,6 @@ pub(super) struct Misfit {
 
 /// The units of a signal's channels; `None` if no name states any. Channels without a unit have that of the others.
 pub(super) fn named_units(
-    source: &Source<'_>,
     signal: Signal,
     columns: &[SelectedColumn<'_>],
     kinds: &[JointKind],
@@ -50,8 +49,8 @@ pub(super) fn named_units(
         said.extend(column.channels.iter().map(|_| unit));
     }
     let of_columns = said.iter().flatten().next().copied();
-    let Some(first) = of_columns.or_else(|| of_file(source, signal, columns)) else { return Ok(None) };
-    let is_partial = of_columns.is_some() && said.contains(&None);
+    let Some(first) = of_columns else { return Ok(None) };
+    let is_partial = said.contains(&None);
     let why = if is_partial { "from the names, and a guess where they have none" } else { "from the names" };
     let units = said.iter().zip(kinds).map(|(unit, kind)| unit.unwrap_or_else(|| matching(first, *kind)));
     // Counts of positions become angles and lengths by their gain.
@@ -109,18 +108,13 @@ fn counted(signal: Signal) -> Option<Unit> {
     }
 }
 
-/// The unit in the name of the file, where the columns say nothing.
-fn of_file(source: &Source<'_>, signal: Signal, columns: &[SelectedColumn<'_>]) -> Option<Unit> {
-    match spelt_out(&source.stem(), signal).filter(|_| are_silent(columns)) {
+/// The unit that the name of the file hints at, where the columns say nothing. It is never taken: files of torques in N m are called
+/// currents too, and folders are renamed.
+pub(super) fn hint_of_file(source: &Source<'_>, signal: Signal, columns: &[SelectedColumn<'_>]) -> Option<Unit> {
+    match written(&source.stem(), signal).filter(|_| are_silent(columns)) {
         Some(Written::Unit(unit)) => Some(unit),
         Some(Written::Counts(_) | Written::Unknown(_)) | None => None,
     }
-}
-
-/// The unit of a drive that the name of the file hints at, where the columns say nothing: files of torques in N m are called
-/// currents too.
-pub(super) fn hint_of_file(source: &Source<'_>, columns: &[SelectedColumn<'_>]) -> Option<Unit> {
-    of_a_drive(&source.stem(), Signal::Torque).filter(|_| are_silent(columns))
 }
 
 fn are_silent(columns: &[SelectedColumn<'_>]) -> bool {

@@ -6,12 +6,21 @@ use super::{
     source::{SelectedColumn, Source},
     unit_names::{Misfit, NamedUnits, fits, hint_of_file, matching, named_units, require_units_of_joints},
 };
-use thetahat_data::recording::{Dimension, Side, Unit};
+use thetahat_data::recording::{ChannelSummary, Dimension, Side, Unit};
 use thetahat_ground::{linear_algebra::Matrix, one_or_each::OneOrEach};
 use thetahat_model::robot::{Joint, JointKind, Robot};
 
 /// Joint angles beyond this, rad, are no joint angles in rad: more than two turns.
 const LARGEST_ANGLE: f64 = 4.0 * std::f64::consts::PI;
+/// The same of joints that turn without end: in degrees it would be little motion, in rad ten turns.
+const LARGEST_OF_CONTINUOUS: f64 = 20.0 * std::f64::consts::PI;
+
+/// Joints of a pendulum.
+const FEW: usize = 2;
+/// By how much a position may exceed a limit of its joint, rad or m.
+const BEYOND: f64 = 0.1;
+/// Travel of all joints below which a recording is none of a motion, rad or m.
+const HARDLY: f64 = 0.1;
 
 /// Units and side of a signal, and where they are known from.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,13 +71,16 @@ impl Units<'_, '_> {
         }
     }
 
-    /// The torques are on the side that their names say, or else on that of the positions.
+    /// The torques are on the side that their names say, or else on that of the positions; drive signals, which the robot's drive gains
+    /// turn into torque, are on the motors' side.
     pub(super) fn of_torque(
         &self,
         columns: &[SelectedColumn<'_>],
         position: &Measured,
     ) -> Result<Measured, ProposalError> {
+        let is_drive = self.has_drive_gain() && self.request.torque_unit.is_none() && !self.says_torque(columns);
         let side = match (self.named_side(columns), position.side) {
+            _ if is_drive && self.request.side.is_none() => Side::Motor,
             (Side::Joint, Side::Joint) => Side::Joint,
             (Side::Motor, _) | (_, Side::Motor) => Side::Motor,
         };
@@ -77,6 +89,10 @@ impl Units<'_, '_> {
             (Some(unit), named) => (self.stated(unit, named), "as stated".to_owned(), None),
             (None, Err(misfit)) => return Err(self.refused("torque", misfit)),
             (None, Ok(Some(NamedUnits { units, why, counts }))) => (units, why.to_owned(), counts),
+            (None, Ok(None)) if is_drive => {
+                let why = "a guess: the robot has a drive_gain, and the name says no torque";
+                (columns.iter().flat_map(|c| c.channels).map(|_| Unit::Volt).collect(), why.to_owned(), None)
+            }
             (None, Ok(None)) => (self.each(Unit::NewtonMetre), self.why_torque(columns), None),
         };
         let measured = Measured::new(units, side, &why);
@@ -108,7 +124,12 @@ impl Units<'_, '_> {
 
     /// Why torques are taken for torques that no name of a column says to be any.
     fn why_torque(&self, columns: &[SelectedColumn<'_>]) -> String {
-        match hint_of_file(&self.source, columns) {
+        match hint_of_file(&self.source, Signal::Torque, columns) {
+            Some(unit) if matches!(unit.dimension(), Dimension::Torque | Dimension::Force) => {
+                format!(
+                    "a guess: only the name of the file says {unit}; where they are in {unit}, write unit = \"{unit}\""
+                )
+            }
             Some(unit) => format!(
                 "a guess: only the name of the file says {}; where they are in {unit}, write unit = \"{unit}\" and gain = [...], \
                  the torque per {unit} of each column",
@@ -132,7 +153,7 @@ impl Units<'_, '_> {
     }
 
     fn named(&self, signal: Signal, columns: &[SelectedColumn<'_>]) -> Result<Option<NamedUnits>, Misfit> {
-        named_units(&self.source, signal, columns, &self.kinds())
+        named_units(signal, columns, &self.kinds())
     }
 
     /// The unit that the user stated; joints of the other kind have the one of their names, or SI.
@@ -158,10 +179,15 @@ impl Units<'_, '_> {
         } else if largest > LARGEST_ANGLE && self.fits_after_the_gears(columns) {
             let why = "a guess: too large for angles of joints in rad, but in range for angles of motors";
             Measured::new(self.each(Unit::Radian), Side::Motor, why)
-        } else if largest > LARGEST_ANGLE {
+        } else if largest > LARGEST_ANGLE && !self.is_of_turns(columns) {
             joint(Unit::Degree, "a guess: too large for rad on the joint side")
         } else {
-            joint(Unit::Radian, "a guess from the range")
+            let hint = hint_of_file(&self.source, Signal::Position, columns).filter(|unit| *unit != Unit::Radian);
+            let why = hint.map_or_else(
+                || "a guess from the range".to_owned(),
+                |unit| format!("a guess from the range, though the name of the file says {unit}: where that is so, write unit = \"{unit}\""),
+            );
+            joint(Unit::Radian, &why)
         }
     }
 
@@ -169,14 +195,22 @@ impl Units<'_, '_> {
     fn with_gain_of_torque(&self, measured: Measured, counts: Option<&str>) -> Measured {
         let of_drive = |unit: &&Unit| !matches!(unit.dimension(), Dimension::Torque | Dimension::Force);
         let Some(&unit) = measured.units.iter().find(of_drive) else { return measured };
-        let has_drive_gain = self.robot.transmission.drive_gain().iter().any(|gain| *gain != 1.0);
         match measured.side {
-            Side::Motor if has_drive_gain => {
+            Side::Motor if self.has_drive_gain() => {
                 let why = format!("{}; the robot's drive_gain is to turn it into torque", measured.why);
                 Measured { why, ..measured }
             }
             Side::Motor | Side::Joint => Measured { gain: gain_of_torque(unit, counts, measured.side), ..measured },
         }
+    }
+
+    fn has_drive_gain(&self) -> bool {
+        self.robot.transmission.drive_gain().iter().any(|gain| *gain != 1.0)
+    }
+
+    /// Whether the names of columns, or where they say nothing that of the file, say that they hold torques or forces.
+    fn says_torque(&self, columns: &[SelectedColumn<'_>]) -> bool {
+        columns.iter().any(|c| column_names::says_torque(&c.name)) || column_names::says_torque(&self.source.stem())
     }
 
     fn require_joints(&self, measured: &Measured, columns: &[SelectedColumn<'_>]) -> Result<(), Misfit> {
@@ -208,6 +242,20 @@ impl Units<'_, '_> {
         ends.fold(0.0, |largest, end| end.abs().max(largest))
     }
 
+    /// Whether these are one or two joints, of which only those without limits go beyond two turns in rad, and none beyond ten. An arm of
+    /// more joints that turn so far is none.
+    fn is_of_turns(&self, columns: &[SelectedColumn<'_>]) -> bool {
+        let channels = columns.iter().flat_map(|c| c.channels).zip(&self.joints);
+        let largest = |channel: &ChannelSummary| {
+            [channel.min, channel.max].into_iter().flatten().fold(0.0, |most: f64, end| most.max(end.abs()))
+        };
+        self.joints.len() <= FEW
+            && channels.into_iter().all(|(channel, joint)| {
+                let is_endless = joint.limits.lower.zip(joint.limits.upper).is_none_or(|(lower, upper)| lower >= upper);
+                largest(channel) <= if is_endless { LARGEST_OF_CONTINUOUS } else { LARGEST_ANGLE }
+            })
+    }
+
     /// Known units on the side that the names say, or else the motors' where angles are too large for joints.
     fn on_a_side(&self, units: Vec<Unit>, columns: &[SelectedColumn<'_>], why: &str) -> Measured {
         let is_in_rad = self.kinds().iter().zip(&units).all(|(k, u)| *k == JointKind::Prismatic || *u == Unit::Radian);
@@ -222,7 +270,28 @@ impl Units<'_, '_> {
             return side;
         }
         let mut names = columns.iter().map(|c| c.name.clone()).chain([self.source.stem()]);
-        if self.has_gears() && names.any(|name| column_names::says_motor(&name)) { Side::Motor } else { Side::Joint }
+        let says_motor = self.has_gears() && names.any(|name| column_names::says_motor(&name));
+        if says_motor && !self.moves_like_joints(columns) { Side::Motor } else { Side::Joint }
+    }
+
+    /// Whether positions lie within the joints' limits, and would hardly move the joints after the gears: then they are of joints,
+    /// whatever their names say.
+    fn moves_like_joints(&self, columns: &[SelectedColumn<'_>]) -> bool {
+        let is_position =
+            columns.iter().all(|c| column_names::read(&c.name).is_some_and(|r| r.signal == Signal::Position));
+        let channels: Vec<&ChannelSummary> = columns.iter().flat_map(|c| c.channels).collect();
+        let ends: Option<Vec<[f64; 2]>> = channels.iter().map(|c| Some([c.min?, c.max?])).collect();
+        let Some(ends) = ends.filter(|ends| is_position && ends.len() == self.joints.len()) else { return false };
+        let to_si = if self.largest_angle(columns) > LARGEST_ANGLE { Unit::Degree.to_si() } else { 1.0 };
+        let inside = |([low, high], joint): (&[f64; 2], &&Joint)| {
+            let [low, high] = [low * to_si, high * to_si];
+            joint.limits.lower.is_none_or(|lower| low > lower - BEYOND)
+                && joint.limits.upper.is_none_or(|upper| high < upper + BEYOND)
+        };
+        let travels = ends.iter().map(|[low, high]| (high - low) * to_si).collect();
+        let after =
+            self.robot.transmission.joint_velocities(&thetahat_ground::series::Series::shaped(ends.len(), travels));
+        ends.iter().zip(&self.joints).all(inside) && after.values().iter().all(|travel| travel.abs() < HARDLY)
     }
 
     fn has_gears(&self) -> bool {

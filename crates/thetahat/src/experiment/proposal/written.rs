@@ -38,11 +38,14 @@ pub(super) fn spelt_out(name: &str, signal: Signal) -> Option<Written> {
     in_words(name, signal).map(Written::Unit).or_else(|| count.cloned().map(Written::Counts))
 }
 
+/// Words for the voltage of a drive; `vir` is that of EMPS.
+const VOLTAGES: [&str; 5] = ["voltage", "voltages", "volt", "vir", "spannung"];
+
 /// A current is in A and a voltage in V where nothing else is said.
 pub(super) fn of_a_drive(name: &str, signal: Signal) -> Option<Unit> {
     let words = column_names::words(name);
     let has = |of: fn(&str) -> bool| signal == Signal::Torque && words.iter().any(|word| of(word));
-    match (has(|word| word.starts_with("curr") || word == "strom"), has(|word| word == "voltage")) {
+    match (has(|word| word.starts_with("curr") || word == "strom"), has(|word| VOLTAGES.contains(&word))) {
         (true, _) => Some(Unit::Ampere),
         (false, true) => Some(Unit::Volt),
         (false, false) => None,
