@@ -1,6 +1,7 @@
 //! Long work that Ctrl-C ends.
 
 use std::{
+    any::Any,
     panic::resume_unwind,
     sync::mpsc::{RecvTimeoutError, channel},
     thread,
@@ -39,5 +40,12 @@ pub fn run<T: Send + 'static>(
         }
         py.check_signals()?;
     }
-    Ok(py.detach(|| worker.join()).unwrap_or_else(|panic| resume_unwind(panic))?)
+    Ok(py.detach(|| worker.join()).unwrap_or_else(|panic| Err(of_panic(panic.as_ref())))?)
+}
+
+/// A panic is a mistake of the library, and still an exception that `except Exception` catches.
+fn of_panic(panic: &(dyn Any + Send)) -> PythonError {
+    let text = panic.downcast_ref::<&str>().copied().or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    let text = text.unwrap_or("without a message");
+    PythonError::new("ThetahatError", format!("a mistake in thetahat, which its makers want to know of: {text}"))
 }

@@ -60,6 +60,7 @@ pub fn choose_filter(
     if !robot.channels().is_empty() {
         return Err(FilterChoiceError::Channels);
     }
+    recordings.iter().try_for_each(|recording| recording.validate(robot.coordinate_count()))?;
     let with_torque = recordings.iter().filter(|r| r.torque.is_some());
     let longest = with_torque.max_by_key(|r| r.position.len()).ok_or(FilterChoiceError::NoTorque)?;
     let whole = Study::new(robot, settings, longest.clone())?;
@@ -81,6 +82,7 @@ pub fn estimate_with_filter(
     recording: &Recording,
     filter: Filter,
 ) -> Result<Vec<f64>, FilterChoiceError> {
+    recording.validate(robot.coordinate_count())?;
     let study = Study::new(robot, &Settings::new(filter.cutoff_hz, filter.decimation), recording.clone())?;
     let settings = study.settings_with(filter);
     let (problem, _) = study.problem(&settings, recording, &ParameterChoice::Base)?;
