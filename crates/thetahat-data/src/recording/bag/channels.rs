@@ -4,65 +4,13 @@ use std::collections::HashMap;
 
 use super::super::error::RecordingError;
 use super::super::table::is_plausible;
+use super::asked::{Asked, Time};
 use super::error::BagError;
 use super::layouts::{example, groups, is_read};
 use super::naming::Column;
 use super::topic::{Layout, Message, Topic, seconds};
 use super::topics::Topics;
 use thetahat_ground::series::Series;
-
-/// The content of a requested column.
-#[derive(Debug, Clone, PartialEq)]
-enum Asked {
-    /// A signal by its full name.
-    Signal(String),
-    /// A time of the messages that hold a joint, or of all.
-    Time(Option<String>, Time),
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Time {
-    Stamp,
-    Log,
-}
-
-impl Asked {
-    fn of(column: &str) -> Self {
-        if let Some(time) = Time::of(column) {
-            return Self::Time(None, time);
-        }
-        match column.rsplit_once('.').and_then(|(joint, word)| Some((joint, Time::of(word)?))) {
-            Some((joint, time)) => Self::Time(Some(joint.to_owned()), time),
-            None => Self::Signal(column.to_owned()),
-        }
-    }
-
-    /// Whether a layout holds it.
-    fn is_in(&self, layout: &Layout) -> bool {
-        match self {
-            Self::Signal(name) => layout.columns.iter().any(|column| column.name == *name),
-            Self::Time(Some(joint), _) => layout.columns.iter().any(|c| c.joint.as_deref() == Some(joint)),
-            Self::Time(None, _) => true,
-        }
-    }
-}
-
-impl Time {
-    fn of(word: &str) -> Option<Self> {
-        match word {
-            "stamp" | "header.stamp" => Some(Self::Stamp),
-            "log_time" => Some(Self::Log),
-            _ => None,
-        }
-    }
-
-    fn nanoseconds(self, message: &Message) -> i64 {
-        match self {
-            Self::Stamp => message.stamp_ns,
-            Self::Log => message.log_time_ns,
-        }
-    }
-}
 
 /// The requested columns, from the messages that hold all of them.
 pub(super) fn of(mut topics: Topics, topic: Option<&str>, columns: &[String]) -> Result<Series, RecordingError> {
@@ -102,7 +50,7 @@ impl SelectedTopic<'_> {
         {
             return self.all_joints(only, first);
         }
-        let asked: Vec<Asked> = columns.iter().map(|column| Asked::of(column)).collect();
+        let asked: Vec<Asked> = columns.iter().map(|column| Asked::of(column, self.topic)).collect();
         let is_missing = |asked: &Asked| !self.topic.layouts.iter().any(|layout| asked.is_in(layout));
         let has_no_stamp = |asked: &Asked| matches!(asked, Asked::Time(_, Time::Stamp)) && !self.topic.has_stamp();
         match asked.iter().position(|asked| is_missing(asked) || has_no_stamp(asked)) {
@@ -224,7 +172,7 @@ impl SelectedTopic<'_> {
     /// The error for a column that no message has.
     fn missing(&self, column: &str) -> RecordingError {
         let others = self.topics.list.iter().filter(|other| other.name != self.topic.name);
-        let asked = Asked::of(column);
+        let asked = Asked::of(column, self.topic);
         let holds = |other: &&super::topic::Topic| other.layouts.iter().any(|layout| asked.is_in(layout));
         let other = others.into_iter().find(holds).filter(|_| matches!(asked, Asked::Signal(_)));
         match other {
@@ -250,8 +198,8 @@ impl SelectedTopic<'_> {
         let found = layout.map(|layout| layout.columns.iter().map(|c| c.name.clone()).collect()).unwrap_or_default();
         self.refuse(BagError::InDifferentMessages {
             topic,
-            column: named(&asked[missing]),
-            present: named(&asked[present]),
+            column: asked[missing].name(),
+            present: asked[present].name(),
             found,
         })
     }
@@ -271,14 +219,4 @@ impl SelectedTopic<'_> {
 
 fn in_field<'a>(layout: &'a Layout, field: &'a str) -> impl Iterator<Item = &'a String> {
     layout.columns.iter().filter(move |column| column.field == field).map(|column: &Column| &column.name)
-}
-
-fn named(asked: &Asked) -> String {
-    match asked {
-        Asked::Signal(name) => name.clone(),
-        Asked::Time(joint, time) => {
-            let word = if *time == Time::Stamp { "stamp" } else { "log_time" };
-            joint.as_ref().map_or_else(|| word.to_owned(), |joint| format!("{joint}.{word}"))
-        }
-    }
 }

@@ -111,11 +111,8 @@ impl Bag<'_> {
         let definitions =
             if tables.iter().any(|table| table == DEFINITIONS) { self.definitions()? } else { Vec::new() };
         for row in self.rows()? {
-            let is_asked = topic.is_none_or(|topic| topic == row.name);
             let schemas = if row.serialization == "cdr" { schemas(&row.kind, &definitions) } else { Vec::new() };
-            if let Some(place) = self.topics.add_topic(row.name, row.kind, schemas)
-                && is_asked
-            {
+            if let Some(place) = self.topics.add_topic(row.name, row.kind, schemas, topic) {
                 self.read_messages(row.id, place)?;
             }
         }

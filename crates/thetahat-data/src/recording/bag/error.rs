@@ -30,6 +30,18 @@ pub enum BagError {
         others: Vec<String>,
     },
 
+    /// The type of the messages is not known.
+    #[error(
+        "topic {topic:?} holds messages of type {kind:?}, whose definition is not in the bag and not known here, or not in CDR; record it in \
+         MCAP or with ROS 2 Iron or later, which store definitions, or export the recording to CSV"
+    )]
+    UnknownType {
+        /// The topic asked for.
+        topic: String,
+        /// The type of its messages.
+        kind: String,
+    },
+
     /// Several topics may be meant, and none is named.
     #[error("several topics may hold the signals: {}; name one by `topic = \"...\"`", listed(.found))]
     UnclearTopic {
@@ -174,9 +186,9 @@ pub enum BagError {
 
 fn not_finite(count: usize, of: usize, sample: usize, found: &str) -> String {
     match count == of {
-        true => format!("all of its {of} samples are {found} or no numbers"),
+        true => format!("none of its {of} samples is a finite number below 1e30, the first is {found}"),
         false => format!(
-            "{count} of {of} samples are no finite numbers below 1e30, the first is sample {sample} counted from 0, {found}"
+            "{count} of {of} samples are not finite numbers below 1e30, the first is sample {sample} counted from 0, {found}"
         ),
     }
 }
@@ -184,7 +196,7 @@ fn not_finite(count: usize, of: usize, sample: usize, found: &str) -> String {
 fn remedy(joint: Option<&str>, is_all: bool) -> String {
     let cut = if is_all { "" } else { "cut the recording to the part without gaps, " };
     match joint {
-        Some(joint) => format!("{cut}lock joint {joint:?} or leave it out, or name another column"),
+        Some(joint) => format!("{cut}lock joint {joint:?} (`[locked]`), leave it out, or name another column"),
         None => format!("{cut}leave it out, or name another column"),
     }
 }

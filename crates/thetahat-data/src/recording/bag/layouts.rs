@@ -9,8 +9,8 @@ const RATIO: usize = 10;
 
 /// For each layout of a topic, whether its messages are read.
 ///
-/// Messages that lack signals of other messages, and have none that those lack, are of a second publisher that says less, and are left
-/// out, so that all signals of a recording come from the same messages.
+/// Messages that lack signals of joints that other messages have, and have none that those lack, are of a second publisher that says less,
+/// and are left out, so that all signals of a recording come from the same messages. Arrays without names may be longer or shorter.
 pub(super) fn is_read(topic: &Topic) -> Vec<bool> {
     let mut counts = vec![0_usize; topic.layouts.len()];
     topic.messages.iter().for_each(|message| counts[message.layout] += 1);
@@ -25,9 +25,10 @@ pub(super) fn is_read(topic: &Topic) -> Vec<bool> {
     sets.iter().zip(&counts).map(|(set, &count)| count > 0 && !is_left_out(set)).collect()
 }
 
-/// The sorted names of the signals.
+/// The sorted names of the signals of joints.
 fn signals(layout: &Layout) -> Vec<&str> {
-    let mut names: Vec<&str> = layout.columns.iter().map(|column| column.name.as_str()).collect();
+    let of_joints = layout.columns.iter().filter(|column| column.joint.is_some());
+    let mut names: Vec<&str> = of_joints.map(|column| column.name.as_str()).collect();
     names.sort_unstable();
     names
 }

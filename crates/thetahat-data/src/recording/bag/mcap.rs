@@ -112,9 +112,8 @@ impl Bag<'_> {
         let of_channel = self.types.get(&channel.schema_id);
         let schemas = of_channel.map(|kind| kind.schemas(&channel.message_encoding)).unwrap_or_default();
         let kind = of_channel.map(|kind| kind.name.clone()).unwrap_or_default();
-        let is_asked = self.topic.is_none_or(|topic| topic == channel.topic);
-        let place = self.topics.add_topic(channel.topic, kind, schemas);
-        self.places.insert(channel.id, place.filter(|_| is_asked));
+        let place = self.topics.add_topic(channel.topic, kind, schemas, self.topic);
+        self.places.insert(channel.id, place);
         Ok(())
     }
 
@@ -135,7 +134,8 @@ impl Type {
             "ros1" => Encoding::Ros1,
             _ => return Vec::new(),
         };
-        let language = if self.encoding == "ros2idl" { Language::Idl } else { Language::Msg };
+        let is_idl = matches!(self.encoding.as_str(), "ros2idl" | "omgidl");
+        let language = if is_idl { Language::Idl } else { Language::Msg };
         let text = str::from_utf8(&self.definition).unwrap_or_default();
         match schema(&self.name, text, language, encoding) {
             Ok(schema) if !text.trim().is_empty() => vec![schema],

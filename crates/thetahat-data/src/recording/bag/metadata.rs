@@ -46,13 +46,21 @@ fn paths(metadata: &Path) -> Result<Vec<(PathBuf, Format)>, RecordingError> {
     };
     match found.iter().map(named).collect::<Option<Vec<_>>>() {
         Some(names) if !names.is_empty() && names.len() <= MOST_FILES => {
-            names.into_iter().map(|(name, format)| Ok((inside(folder, &name)?, format))).collect()
+            names.into_iter().map(|(name, format)| Ok((inside(folder, &as_it_is(folder, name))?, format))).collect()
         }
         _ => {
             let problem = Box::new(BagError::BadMetadata { found });
             Err(RecordingError::Bag { file: metadata.to_owned(), problem })
         }
     }
+}
+
+/// The name of a file, or of what it was compressed to after the metadata were written.
+fn as_it_is(folder: &Path, name: PathBuf) -> PathBuf {
+    let mut compressed = name.clone().into_os_string();
+    compressed.push(".zstd");
+    let is_compressed = !files::is_file(&folder.join(&name)) && files::is_file(&folder.join(&compressed));
+    if is_compressed { compressed.into() } else { name }
 }
 
 /// The files of a YAML text: the elements of their list, in lines of their own or in brackets.

@@ -19,7 +19,7 @@
 //! | `shape`, `naming` | the names of the signals of a message |
 //! | `topic`, `topics` | the messages of a topic; the topics of a bag |
 //! | `layouts` | which messages are read where several publishers share a topic |
-//! | `channels` | signals by name across all messages |
+//! | `asked`, `channels` | signals by name across all messages |
 //! | `tables` | all columns of a topic, for inspection |
 //! | `db3`, `mcap`, `ros1` with `ros1_record` | the kinds of bags |
 //! | `zstd`, `metadata` | compressed files and messages; bags of several files |
@@ -27,6 +27,8 @@
 //! | `other_topic` | topics that are not read |
 //! | `error` | what can be wrong with a bag |
 
+#[cfg(feature = "rosbag")]
+mod asked;
 #[cfg(feature = "rosbag")]
 mod built_in;
 #[cfg(feature = "rosbag")]

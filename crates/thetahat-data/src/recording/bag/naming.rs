@@ -127,10 +127,21 @@ impl Naming {
             true => names.iter().copied().chain([own.as_slice()]).collect(),
             false => names.clone(),
         };
+        // Names of what is inside of each element number the elements: the points of a trajectory name joints.
+        if own.is_empty() && messages.iter().any(|message| is_of_joints(message, messages.len())) {
+            return self.numbered(field, messages, place, &names);
+        }
         // The names of elements are taken here, so that they name nothing inside of an element.
         let inner: Names<'_> = names.iter().copied().filter(|names| names.len() != messages.len()).collect();
         for (message, place) in messages.iter().zip(elements(field, messages.len(), place, &names)) {
             self.message(message, &place, &inner);
+        }
+    }
+
+    /// Messages by their numbers, whatever names there are.
+    fn numbered(&mut self, field: &str, messages: &[Vec<Part<'_>>], place: &Place, names: &Names<'_>) {
+        for (number, message) in messages.iter().enumerate() {
+            self.message(message, &place.element(field, number), names);
         }
     }
 
@@ -160,6 +171,12 @@ fn elements(field: &str, count: usize, place: &Place, names: &Names<'_>) -> Vec<
         Some(names) => names.iter().map(|joint| place.of_joint(field, joint)).collect(),
         None => (0..count).map(|number| place.element(field, number)).collect(),
     }
+}
+
+/// Whether a message has an array of numbers of this length, and no names for it.
+fn is_of_joints(message: &[Part<'_>], length: usize) -> bool {
+    let has_names = message.iter().any(|part| matches!(part.shape, Shape::Texts(_)));
+    !has_names && message.iter().any(|part| matches!(part.shape, Shape::Numbers(count) if count == length))
 }
 
 /// The name that a message gives itself.

@@ -39,7 +39,9 @@ fn tables_of(mut topics: Topics) -> Result<(Vec<Table>, Vec<OtherTopic>), Record
             Some(_) => others.push(other(topic, String::new())),
             None => others.extend(left_out(topic)),
         }
-        tables.extend(super::tables::of(topic));
+        if topic.has_signals() {
+            tables.extend(super::tables::of(topic));
+        }
     }
     Ok((tables, others))
 }
@@ -50,8 +52,8 @@ fn left_out(topic: &Topic) -> Vec<OtherTopic> {
     let is_read = super::layouts::is_read(topic);
     let fewer = topic.messages.iter().filter(|message| !is_read[message.layout]).count();
     let mut remarks = Vec::new();
-    if topic.messages.is_empty() && !topic.is_joint_state() {
-        remarks.push(other(topic, ", no messages".to_owned()));
+    if !topic.has_signals() && !topic.is_joint_state() {
+        remarks.push(other(topic, ", no messages with numbers".to_owned()));
     }
     if fewer > 0 {
         remarks.push(other(topic, format!(", {fewer} messages of another publisher with fewer signals")));

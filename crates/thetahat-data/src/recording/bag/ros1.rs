@@ -155,9 +155,8 @@ impl Bag<'_> {
         }
         let text = of_publisher.text("message_definition").unwrap_or_default();
         let schemas = schema(kind, text, Language::Msg, Encoding::Ros1).into_iter().collect();
-        let is_asked = self.topic.is_none_or(|topic| topic == name);
-        let place = self.topics.add_topic(name.to_owned(), kind.to_owned(), schemas);
-        self.places.insert(number, place.filter(|_| is_asked));
+        let place = self.topics.add_topic(name.to_owned(), kind.to_owned(), schemas, self.topic);
+        self.places.insert(number, place);
         Ok(())
     }
 

@@ -211,8 +211,8 @@ fn named(name: &str, inside: &str, places: &HashMap<&str, usize>) -> Option<Kind
 
 fn of_time(name: &str) -> Option<Kind> {
     match name {
-        "builtin_interfaces/Time" => Some(Kind::Time),
-        "builtin_interfaces/Duration" => Some(Kind::Duration),
+        "builtin_interfaces/Time" | "builtin_interfaces/Time_" => Some(Kind::Time),
+        "builtin_interfaces/Duration" | "builtin_interfaces/Duration_" => Some(Kind::Duration),
         _ => None,
     }
 }

@@ -72,6 +72,11 @@ impl Topic {
         self.layouts.iter().flat_map(|layout| &layout.columns).any(|column| column.joint.is_some())
     }
 
+    /// Whether its messages hold numbers.
+    pub(super) fn has_signals(&self) -> bool {
+        self.layouts.iter().any(|layout| !layout.columns.is_empty())
+    }
+
     /// Whether its messages state their time.
     pub(super) fn has_stamp(&self) -> bool {
         self.schemas.first().is_some_and(Schema::has_stamp)

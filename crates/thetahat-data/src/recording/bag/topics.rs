@@ -6,7 +6,7 @@ use super::super::budget::Budget;
 use super::super::error::RecordingError;
 use super::error::BagError;
 use super::other_topic::OtherTopic;
-use super::schema::Schema;
+use super::schema::{Schema, normal};
 use super::topic::Topic;
 use super::zstd;
 
@@ -15,6 +15,34 @@ const ANY_FILE: u64 = 1 << 30;
 const EXPANSION: u64 = 32;
 /// Largest number of topics.
 const MOST_TOPICS: usize = 1 << 16;
+
+/// Packages and types whose messages hold no signals of a robot's joints: they are read only where their topic is named.
+const NO_SIGNALS: [&str; 19] = [
+    "bond/",
+    "diagnostic_msgs/",
+    "dynamic_reconfigure/",
+    "lifecycle_msgs/",
+    "rcl_interfaces/",
+    "rosbag2_interfaces/",
+    "rosgraph_msgs/",
+    "tf/",
+    "tf2_msgs/",
+    "visualization_msgs/",
+    "sensor_msgs/CameraInfo",
+    "sensor_msgs/CompressedImage",
+    "sensor_msgs/Image",
+    "sensor_msgs/LaserScan",
+    "sensor_msgs/PointCloud",
+    "nav_msgs/OccupancyGrid",
+    "nav_msgs/Path",
+    "std_msgs/Empty",
+    "std_msgs/String",
+];
+
+fn holds_signals(kind: &str) -> bool {
+    let kind = normal(kind);
+    !NO_SIGNALS.iter().any(|start| kind.starts_with(start))
+}
 
 /// The topics of a bag.
 pub(super) struct Topics {
@@ -34,8 +62,24 @@ impl Topics {
         Self { path: path.to_owned(), list: Vec::new(), others: Vec::new(), budget, left }
     }
 
-    /// Adds a topic without messages and returns its index. A topic without a schema is not read.
-    pub(super) fn add_topic(&mut self, name: String, kind: String, schemas: Vec<Schema>) -> Option<usize> {
+    /// Adds a topic without messages and returns its index if its messages are to be read: those of the topic `asked`, or of all that can be
+    /// read and hold signals.
+    pub(super) fn add_topic(
+        &mut self,
+        name: String,
+        kind: String,
+        schemas: Vec<Schema>,
+        asked: Option<&str>,
+    ) -> Option<usize> {
+        let is_asked = asked.map_or_else(|| holds_signals(&kind), |asked| asked == name);
+        if !is_asked && asked.is_none() {
+            self.add_other(name, kind);
+            return None;
+        }
+        self.placed(name, kind, schemas).filter(|_| is_asked)
+    }
+
+    fn placed(&mut self, name: String, kind: String, schemas: Vec<Schema>) -> Option<usize> {
         if let Some(place) = self.list.iter().position(|topic| topic.name == name) {
             return (self.list[place].kind == kind).then_some(place);
         }
@@ -130,11 +174,14 @@ impl Topics {
 
     fn named(&self, name: &str) -> Result<usize, RecordingError> {
         let place = self.list.iter().position(|topic| topic.name == name);
-        place.ok_or_else(|| match self.list.is_empty() {
-            true => self.refuse(BagError::NoTopic { found: self.others() }),
-            false => {
+        let topic = name.to_owned();
+        let other = self.others.iter().find(|other| other.name == name);
+        place.ok_or_else(|| match (other, self.list.is_empty()) {
+            (Some(other), _) => self.refuse(BagError::UnknownType { topic, kind: other.kind.clone() }),
+            (None, true) => self.refuse(BagError::NoTopic { found: self.others() }),
+            (None, false) => {
                 let found = self.list.iter().map(|topic| topic.name.clone()).collect();
-                self.refuse(BagError::MissingTopic { topic: name.to_owned(), found, others: self.others() })
+                self.refuse(BagError::MissingTopic { topic, found, others: self.others() })
             }
         })
     }

@@ -36,7 +36,7 @@ pub(super) fn decompress(
     Ok((decompressed.len() as u64 <= limit).then_some(decompressed))
 }
 
-/// A file that was compressed as a whole.
+/// The bytes of a file that was compressed as a whole.
 pub(super) fn decompress_file(path: &Path) -> Result<Vec<u8>, RecordingError> {
     let limit = ANY_FILE.max(file_length(path)?.saturating_mul(EXPANSION));
     decompress(open(path)?, limit, path, "the file")?.ok_or_else(|| RecordingError::TooLarge {

@@ -1,11 +1,21 @@
 //! Definitions of types, and messages decoded by them.
 
-use super::super::built_in;
+use std::collections::BTreeMap;
+use std::io::Cursor;
+
+use ::mcap::WriteOptions;
+use ::mcap::records::MessageHeader;
+
+use super::super::super::Format;
+use super::super::asked::Asked;
 use super::super::decode::decode;
 use super::super::definition::{Language, schema};
 use super::super::naming::columns;
 use super::super::schema::{Encoding, Schema};
 use super::super::shape;
+use super::super::topic::Topic;
+use super::super::{built_in, channels};
+use thetahat_testing::Folder;
 
 const MSG: &str = "# State of an arm
 std_msgs/Header header
@@ -132,6 +142,34 @@ fn both_languages_describe_the_same_message() {
     }
 }
 
+/// The definition of a file decides, in either language.
+#[test]
+fn mcap_with_either_language() {
+    for (encoding, text) in [("ros2msg", MSG), ("ros2idl", IDL)] {
+        let mut bytes = Cursor::new(Vec::new());
+        let mut writer = WriteOptions::new().compression(None).create(&mut bytes).unwrap();
+        let schema_id = writer.add_schema("robot/msg/Arm", encoding, text.as_bytes()).unwrap();
+        let channel_id = writer.add_channel(schema_id, "/arm", "cdr", &BTreeMap::new()).unwrap();
+        let header = MessageHeader { channel_id, sequence: 0, log_time: 9, publish_time: 9 };
+        writer.write_to_known_channel(&header, &message(true)).unwrap();
+        writer.finish().unwrap();
+        drop(writer);
+        let folder = Folder::with("a.mcap", bytes.into_inner());
+        let columns = ["header.stamp", "points[1].y", "motors[1].temperature[0]", "q[2]"].map(str::to_owned);
+        let series = channels(&folder.path().join("a.mcap"), Format::Mcap, None, &columns).unwrap();
+        assert_eq!(series.values(), [0.0, 11.0, 30.0, 3.0], "{encoding}");
+    }
+}
+
+/// A number that is called like a time is a signal.
+#[test]
+fn number_called_stamp() {
+    let schema = schema("robot/Arm", "uint8 stamp", Language::Msg, Encoding::Ros1).unwrap();
+    let mut topic = Topic::new("/arm".to_owned(), "robot/Arm".to_owned(), vec![schema]);
+    topic.add(5, &[7]).unwrap();
+    assert!(!topic.has_stamp() && Asked::of("stamp", &topic) == Asked::Signal("stamp".to_owned()));
+}
+
 #[test]
 fn definitions_cut_short_or_damaged_never_panic() {
     for (language, text) in [(Language::Msg, MSG), (Language::Idl, IDL)] {
@@ -206,4 +244,16 @@ fn names_of_state(schema: &Schema, points: usize) -> Vec<String> {
     let decoded = decode(schema, &message).unwrap();
     assert_eq!(decoded.left, 0);
     columns(&shape::of(schema, &decoded)).into_iter().map(|column| column.name).collect()
+}
+
+/// Points of a trajectory have numbers, even if there are as many points as joints.
+#[test]
+fn points_of_a_trajectory_are_numbered() {
+    let text = "string[] joint_names\nPoint[] points\n==========\nMSG: robot/Point\nuint8[] positions\n";
+    let schema = schema("robot/Trajectory", text, Language::Msg, Encoding::Ros1).unwrap();
+    let names = [2, 0, 0, 0, 1, 0, 0, 0, b'a', 1, 0, 0, 0, b'b'];
+    let message = [&names[..], &[2, 0, 0, 0], &[2, 0, 0, 0, 7, 8], &[2, 0, 0, 0, 9, 10]].concat();
+    let decoded = decode(&schema, &message).unwrap();
+    let names: Vec<String> = columns(&shape::of(&schema, &decoded)).into_iter().map(|column| column.name).collect();
+    assert_eq!(names, ["a.points[0].position", "b.points[0].position", "a.points[1].position", "b.points[1].position"]);
 }

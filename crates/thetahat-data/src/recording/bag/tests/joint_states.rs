@@ -158,8 +158,8 @@ fn position_that_is_nan() {
     let messages = on_topic(vec![states(0, &["elbow"], &[f64::NAN])]);
     let problem = problem(&messages, None, &["elbow.position"]);
     assert!(matches!(&problem, BagError::NotFinite { sample: 0, joint: Some(joint), .. } if joint == "elbow"));
-    let expected = "topic \"/joint_states\", column \"elbow.position\": all of its 1 samples are NaN or no numbers; \
-        lock joint \"elbow\" or leave it out, or name another column";
+    let expected = "topic \"/joint_states\", column \"elbow.position\": none of its 1 samples is a finite number below 1e30, \
+        the first is NaN; lock joint \"elbow\" (`[locked]`), leave it out, or name another column";
     assert_eq!(problem.to_string(), expected);
 }
 

@@ -69,8 +69,8 @@ fn effort_that_is_nan_names_joint_and_remedy() {
     let effort = |value| message(false, 0, &["a", "b"], [&[1.0, 2.0], &[], &[3.0, value]]);
     let messages = on_topic(vec![effort(1.0), effort(f64::NAN), effort(2.0)]);
     let text = problem(&messages, None, &["a.effort", "b.effort"]).to_string();
-    let expected = "column \"b.effort\": 1 of 3 samples are no finite numbers below 1e30, the first is sample 1 counted from 0, \
-        NaN; cut the recording to the part without gaps, lock joint \"b\" or leave it out, or name another column";
+    let expected = "column \"b.effort\": 1 of 3 samples are not finite numbers below 1e30, the first is sample 1 counted from 0, \
+        NaN; cut the recording to the part without gaps, lock joint \"b\" (`[locked]`), leave it out, or name another column";
     assert!(text.ends_with(expected), "{text}");
 }
 
@@ -85,4 +85,13 @@ fn joint_states_without_names_have_numbers() {
 fn list_of_another_length_than_the_names() {
     let messages = on_topic(vec![message(false, 0, &["a", "b"], [&[1.0], &[], &[]])]);
     assert!(matches!(problem(&messages, None, &["a.position"]), BagError::BadMessage { message: 1, .. }));
+}
+
+/// An empty message, as some drivers send at first, is no message of the arm.
+#[test]
+fn empty_messages_are_left_out() {
+    let mut messages = on_topic(arm());
+    messages.insert(0, (TOPIC, states(0, &[], &[])));
+    assert_eq!(loaded(&messages, None, &["stamp"]).unwrap().len(), 3);
+    assert_eq!(loaded(&messages, None, &["elbow.position"]).unwrap().len(), 3);
 }
