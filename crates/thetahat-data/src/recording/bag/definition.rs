@@ -4,7 +4,7 @@ use super::idl;
 use super::schema::{Count, Declared, DeclaredField, DeclaredKind, Encoding, Kind, Number, Schema, normal};
 
 /// Longest definition that is read, in bytes.
-const LONGEST_DEFINITION: usize = 1 << 20;
+pub(super) const LONGEST_DEFINITION: usize = 1 << 20;
 /// Least number of `=` in the line between two definitions.
 const RULE: usize = 10;
 

@@ -1,4 +1,4 @@
-//! Types from the interface definition language (IDL) of the OMG, as far as ROS 2 uses it: modules, structures, type names, enumerations,
+//! Types from the interface definition language (IDL) of the OMG, what ROS 2 uses of it: modules, structures, type names, enumerations,
 //! sequences and arrays. Constants, annotations and comments are skipped.
 
 use std::collections::HashMap;
@@ -152,7 +152,7 @@ impl<'a> Parser<'a> {
         Ok(self.names.get(&name).cloned().unwrap_or((DeclaredKind::Named(name), Count::One)))
     }
 
-    /// The sides of an array behind a name.
+    /// The sides of an array after a name.
     fn dimensions(&mut self, content: Content) -> Result<Content, String> {
         let mut sides = None;
         while self.peek() == Some(Token::Sign('[')) {

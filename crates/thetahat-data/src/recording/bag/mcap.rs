@@ -2,7 +2,7 @@
 //! into memory.
 
 use std::collections::HashMap;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
 
 use mcap::McapError;
@@ -13,7 +13,7 @@ use super::super::error::RecordingError;
 use super::super::panic_guard::panics_as_damage;
 use super::super::place::{open, unreadable};
 use super::built_in;
-use super::definition::{Language, schema};
+use super::definition::{LONGEST_DEFINITION, Language, schema};
 use super::schema::{Encoding, Schema};
 use super::topics::Topics;
 use super::zstd;
@@ -26,16 +26,26 @@ const LONGEST_NAME: usize = 1024;
 /// The messages of a bag: of one topic, or of all.
 pub(super) fn read(path: &Path, topic: Option<&str>, topics: &mut Topics) -> Result<(), RecordingError> {
     if zstd::is_compressed_file(path) {
-        return read_from(zstd::decompress_file(path)?.as_slice(), topic, topics);
+        return read_all(zstd::open_file(path)?, zstd::damaged_file, topic, topics);
     }
     read_from(open(path)?, topic, topics)
 }
 
 /// The messages of a bag that is read piece by piece.
 pub(super) fn read_from(input: impl Read, topic: Option<&str>, topics: &mut Topics) -> Result<(), RecordingError> {
+    read_all(input, unreadable, topic, topics)
+}
+
+/// The messages of a bag; `failed` is the error where the input cannot be read.
+fn read_all(
+    input: impl Read,
+    failed: fn(&Path, io::Error) -> RecordingError,
+    topic: Option<&str>,
+    topics: &mut Topics,
+) -> Result<(), RecordingError> {
     let path = topics.path.clone();
     panics_as_damage(&path, "MCAP", || {
-        Bag { path: &path, topic, types: HashMap::new(), places: HashMap::new(), topics }.read(input)
+        Bag { path: &path, topic, failed, types: HashMap::new(), places: HashMap::new(), topics }.read(input)
     })
 }
 
@@ -48,6 +58,8 @@ struct Type {
 
 struct Bag<'a> {
     path: &'a Path,
+    /// The error where the input cannot be read.
+    failed: fn(&Path, io::Error) -> RecordingError,
     /// The topic to read.
     topic: Option<&'a str>,
     /// Types by their numbers.
@@ -65,7 +77,7 @@ impl Bag<'_> {
         while let Some(event) = reader.next_event() {
             match event.map_err(|e| self.damaged(&e))? {
                 LinearReadEvent::ReadRequest(bytes) => {
-                    let read = input.read(reader.insert(bytes)).map_err(|e| unreadable(self.path, e))?;
+                    let read = input.read(reader.insert(bytes)).map_err(|e| (self.failed)(self.path, e))?;
                     reader.notify_read(read);
                 }
                 LinearReadEvent::Record { opcode, data } => self.add(opcode, data)?,
@@ -98,8 +110,11 @@ impl Bag<'_> {
         Ok(())
     }
 
-    fn add_type(&mut self, header: SchemaHeader, definition: Vec<u8>) -> Result<(), RecordingError> {
+    fn add_type(&mut self, header: SchemaHeader, mut definition: Vec<u8>) -> Result<(), RecordingError> {
         self.check_name(&header.name)?;
+        if definition.len() > LONGEST_DEFINITION || !self.topics.has_room_for(&definition) {
+            definition = Vec::new();
+        }
         self.types.insert(header.id, Type { name: header.name, encoding: header.encoding, definition });
         Ok(())
     }

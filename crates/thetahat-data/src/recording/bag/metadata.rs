@@ -6,7 +6,7 @@ use super::super::error::RecordingError;
 use super::super::format::Format;
 use super::super::place::{file_length, inside, unreadable};
 use super::error::BagError;
-use super::read::add;
+use super::file::add;
 use super::topics::Topics;
 use thetahat_ground::files;
 

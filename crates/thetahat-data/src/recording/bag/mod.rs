@@ -21,9 +21,9 @@
 //! | `layouts` | which messages are read where several publishers share a topic |
 //! | `asked`, `channels` | signals by name across all messages |
 //! | `tables` | all columns of a topic, for inspection |
-//! | `db3`, `mcap`, `ros1` with `ros1_record` | the kinds of bags |
+//! | `db3`, `mcap`, `ros1` with `ros1_entry` | the kinds of bags |
 //! | `zstd`, `metadata` | compressed files and messages; bags of several files |
-//! | `read` | reads a bag by its format |
+//! | `file`, `read` | reads a file, and a bag, by its format |
 //! | `other_topic` | topics that are not read |
 //! | `error` | what can be wrong with a bag |
 
@@ -43,6 +43,8 @@ mod decode;
 mod definition;
 mod error;
 #[cfg(feature = "rosbag")]
+mod file;
+#[cfg(feature = "rosbag")]
 mod idl;
 #[cfg(feature = "rosbag")]
 mod idl_tokens;
@@ -59,7 +61,7 @@ mod read;
 #[cfg(feature = "rosbag")]
 mod ros1;
 #[cfg(feature = "rosbag")]
-mod ros1_record;
+mod ros1_entry;
 #[cfg(feature = "rosbag")]
 mod schema;
 #[cfg(feature = "rosbag")]

@@ -1,6 +1,6 @@
 //! The names of the signals of a message.
 //!
-//! Where an array of texts is as long as an array beside it or deeper inside, its texts name the elements: `elbow.position`,
+//! Where an array of texts is as long as an array next to it or deeper inside, its texts name the elements: `elbow.position`,
 //! `elbow.feedback.position`. Other elements are numbered from 0, as ROS and the makers of robots do: `motor_state[3].q`, `position[2]`.
 
 use super::shape::{Part, Shape};

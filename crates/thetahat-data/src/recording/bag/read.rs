@@ -9,7 +9,7 @@ use super::super::place::file_length;
 use super::super::table::Table;
 use super::other_topic::OtherTopic;
 #[cfg(feature = "rosbag")]
-use super::{db3, mcap, metadata, ros1, topic::Topic, topics::Topics};
+use super::{db3, file, mcap, metadata, ros1, topic::Topic, topics::Topics};
 use thetahat_ground::series::Series;
 
 /// The named columns of a topic, one channel each.
@@ -79,19 +79,8 @@ fn read(path: &Path, format: Format, topic: Option<&str>) -> Result<Topics, Reco
         return metadata::read(path, topic).map(Topics::in_order_of_time);
     }
     let mut topics = Topics::new(path, file_length(path)?);
-    add(path, format, topic, &mut topics)?;
+    file::add(path, format, topic, &mut topics)?;
     Ok(topics.in_order_of_time())
-}
-
-/// Adds the messages of a file: those of one topic, or all.
-#[cfg(feature = "rosbag")]
-pub(super) fn add(path: &Path, format: Format, topic: Option<&str>, topics: &mut Topics) -> Result<(), RecordingError> {
-    match format {
-        Format::Mcap => mcap::read(path, topic, topics),
-        Format::Ros1 => ros1::read(path, topic, topics),
-        Format::Db3 => db3::read(path, topic, topics),
-        Format::Metadata | Format::Csv | Format::Npy | Format::Npz | Format::Mat | Format::Parquet => Ok(()),
-    }
 }
 
 #[cfg(not(feature = "rosbag"))]

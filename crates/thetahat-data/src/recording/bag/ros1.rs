@@ -1,6 +1,6 @@
-//! Bags of ROS 1, format 2.0: records one after the other, in compressed chunks or not.
+//! Bags of ROS 1, format 2.0: entries one after the other, in compressed chunks or not.
 //!
-//! A record is a header of fields and data, each with its length before it. Connections hold the topic, the type and its definition;
+//! An entry is a header of fields and data, each with its length before it. Connections hold the topic, the type and its definition;
 //! messages name their connection. The index is not read, so that a bag that was not closed can be read as well.
 //! Source: wiki.ros.org, Bags/Format/2.0.
 
@@ -12,17 +12,17 @@ use super::super::error::RecordingError;
 use super::super::panic_guard::panics_as_damage;
 use super::super::place::{file_length, open, unreadable};
 use super::definition::{Language, schema};
-use super::ros1_record::{Header, Record};
+use super::ros1_entry::{Entry, Header};
 use super::schema::Encoding;
 use super::topics::Topics;
 
 /// The first line of a bag.
 const FIRST_LINE: &[u8] = b"#ROSBAG V2.0\n";
-/// Longest header of a record: the one with a definition is in the data.
+/// Longest header of an entry: the one with a definition is in the data.
 const LONGEST_HEADER: u64 = 1 << 20;
-/// Longest data of a record.
-const LONGEST_RECORD: u64 = 1 << 30;
-/// Kinds of records.
+/// Longest data of an entry, compressed or not: chunks have about a megabyte, or one large image.
+const LONGEST_ENTRY: u64 = 1 << 28;
+/// Kinds of entries.
 const MESSAGE: u8 = 2;
 const CHUNK: u8 = 5;
 const CONNECTION: u8 = 7;
@@ -65,9 +65,9 @@ impl Bag<'_> {
             return Err(self.damaged("it does not begin with #ROSBAG V2.0, as a bag of ROS 1 of format 2.0 does"));
         }
         while self.left > 0 {
-            let header = self.part(&mut input, LONGEST_HEADER, "the header of a record")?;
-            let data = self.part(&mut input, LONGEST_RECORD, "a record")?;
-            self.add(&Record { header: Header(&header), data: &data }, true)?;
+            let header = self.part(&mut input, LONGEST_HEADER, "the header of an entry")?;
+            let data = self.part(&mut input, LONGEST_ENTRY, "an entry")?;
+            self.add(&Entry { header: Header(&header), data: &data }, true)?;
         }
         Ok(())
     }
@@ -94,29 +94,29 @@ impl Bag<'_> {
         if bytes.len() as u64 == length { Ok(bytes) } else { Err(self.damaged(&format!("it ends within {what}"))) }
     }
 
-    fn add(&mut self, record: &Record<'_>, may_be_chunk: bool) -> Result<(), RecordingError> {
-        match record.header.number("op") {
-            Some(CHUNK) if may_be_chunk => self.add_chunk(record),
-            Some(CONNECTION) => self.add_connection(record),
-            Some(MESSAGE) => self.add_message(record),
+    fn add(&mut self, entry: &Entry<'_>, may_be_chunk: bool) -> Result<(), RecordingError> {
+        match entry.header.number("op") {
+            Some(CHUNK) if may_be_chunk => self.add_chunk(entry),
+            Some(CONNECTION) => self.add_connection(entry),
+            Some(MESSAGE) => self.add_message(entry),
             // The header of the bag and the index.
             Some(_) => Ok(()),
-            None => Err(self.damaged("a record does not state its kind (op)")),
+            None => Err(self.damaged("an entry does not state its kind (op)")),
         }
     }
 
-    fn add_chunk(&mut self, record: &Record<'_>) -> Result<(), RecordingError> {
-        let size = record.header.word("size").map(u64::from);
+    fn add_chunk(&mut self, entry: &Entry<'_>) -> Result<(), RecordingError> {
+        let size = entry.header.word("size").map(u64::from);
         let size = size.ok_or_else(|| self.damaged("a chunk does not state its size"))?;
-        if size > self.topics.bytes_left() {
-            return Err(self.topics.too_large());
+        if size > LONGEST_ENTRY {
+            return Err(self.damaged(&format!("a chunk states {size} bytes, at most {LONGEST_ENTRY} are read")));
         }
-        let found = record.header.text("compression").unwrap_or_default();
+        let found = entry.header.text("compression").unwrap_or_default();
         let chunk = match found {
-            "none" => record.data.to_vec(),
-            "bz2" => self.decompressed(bzip2_rs::DecoderReader::new(record.data), size)?,
+            "none" => entry.data.to_vec(),
+            "bz2" => self.decompressed(bzip2_rs::DecoderReader::new(entry.data), size)?,
             "lz4" => {
-                let decoder = lz4::Decoder::new(record.data).map_err(|e| self.damaged(&format!("a chunk: {e}")))?;
+                let decoder = lz4::Decoder::new(entry.data).map_err(|e| self.damaged(&format!("a chunk: {e}")))?;
                 self.decompressed(decoder, size)?
             }
             other => {
@@ -129,8 +129,8 @@ impl Bag<'_> {
         self.topics.count_bytes(chunk.len())?;
         let mut rest = chunk.as_slice();
         while !rest.is_empty() {
-            let record = Record::first(&mut rest).ok_or_else(|| self.damaged("a chunk ends within a record"))?;
-            self.add(&record, false)?;
+            let entry = Entry::first(&mut rest).ok_or_else(|| self.damaged("a chunk ends within an entry"))?;
+            self.add(&entry, false)?;
         }
         Ok(())
     }
@@ -143,10 +143,10 @@ impl Bag<'_> {
         Ok(chunk)
     }
 
-    fn add_connection(&mut self, record: &Record<'_>) -> Result<(), RecordingError> {
-        let connection = record.header.word("conn");
-        let (of_record, of_publisher) = (&record.header, Header(record.data));
-        let (Some(number), Some(name), Some(kind)) = (connection, of_record.text("topic"), of_publisher.text("type"))
+    fn add_connection(&mut self, entry: &Entry<'_>) -> Result<(), RecordingError> {
+        let connection = entry.header.word("conn");
+        let (of_entry, of_publisher) = (&entry.header, Header(entry.data));
+        let (Some(number), Some(name), Some(kind)) = (connection, of_entry.text("topic"), of_publisher.text("type"))
         else {
             return Err(self.damaged("a connection does not state its number, topic and type"));
         };
@@ -160,13 +160,13 @@ impl Bag<'_> {
         Ok(())
     }
 
-    fn add_message(&mut self, record: &Record<'_>) -> Result<(), RecordingError> {
-        let (connection, time) = (record.header.word("conn"), record.header.time_ns("time"));
+    fn add_message(&mut self, entry: &Entry<'_>) -> Result<(), RecordingError> {
+        let (connection, time) = (entry.header.word("conn"), entry.header.time_ns("time"));
         let (Some(connection), Some(time)) = (connection, time) else {
             return Err(self.damaged("a message does not state its connection and time"));
         };
         match self.places.get(&connection) {
-            Some(Some(place)) => self.topics.add_message(*place, time, record.data),
+            Some(Some(place)) => self.topics.add_message(*place, time, entry.data),
             Some(None) => Ok(()),
             None => Err(self.damaged("a message is of a connection that is not in the bag")),
         }

@@ -13,6 +13,8 @@ use super::zstd;
 /// Decompressed bytes that any file may contain, and the number for each byte of a larger file.
 const ANY_FILE: u64 = 1 << 30;
 const EXPANSION: u64 = 32;
+/// Longest message that is decompressed, in bytes.
+const LONGEST_MESSAGE: u64 = 1 << 26;
 /// Largest number of topics.
 const MOST_TOPICS: usize = 1 << 16;
 
@@ -107,12 +109,12 @@ impl Topics {
         Ok(())
     }
 
-    /// Largest number of bytes that the next part may decompress to.
-    pub(super) fn bytes_left(&self) -> u64 {
-        self.left
+    /// Reserves memory for a text that is kept; whether there is room.
+    pub(super) fn has_room_for(&mut self, text: &[u8]) -> bool {
+        self.budget.take("its definitions", &[text.len() / 8]).is_ok()
     }
 
-    pub(super) fn too_large(&self) -> RecordingError {
+    fn too_large(&self) -> RecordingError {
         let (file, what) = (self.path.clone(), "its compressed parts".to_owned());
         RecordingError::TooLarge { file, what, limit: (ANY_FILE / 8) as usize }
     }
@@ -145,7 +147,8 @@ impl Topics {
 
     fn decompressed(&mut self, place: usize, message: &[u8]) -> Result<Vec<u8>, RecordingError> {
         let what = format!("a message of topic {:?}", self.list[place].name);
-        let bytes = zstd::decompress(message, self.left, &self.path, &what)?.ok_or_else(|| self.too_large())?;
+        let bytes = zstd::decompress(message, self.left.min(LONGEST_MESSAGE), &self.path, &what)?
+            .ok_or_else(|| self.too_large())?;
         self.count_bytes(bytes.len())?;
         Ok(bytes)
     }

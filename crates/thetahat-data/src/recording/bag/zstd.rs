@@ -1,6 +1,6 @@
 //! Zstandard, as rosbag2 compresses whole files or single messages.
 
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
 
 use super::super::error::RecordingError;
@@ -9,7 +9,7 @@ use super::super::place::{file_length, open};
 /// The first bytes of compressed data; no message begins so.
 const MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 /// Decompressed bytes that any file may contain, and the number for each byte of a larger file.
-const ANY_FILE: u64 = 1 << 30;
+const ANY_FILE: u64 = 1 << 28;
 const EXPANSION: u64 = 32;
 
 pub(super) fn is_compressed(bytes: &[u8]) -> bool {
@@ -34,6 +34,16 @@ pub(super) fn decompress(
     let reader = ::zstd::stream::read::Decoder::new(bytes).map_err(damaged)?;
     reader.take(limit.saturating_add(1)).read_to_end(&mut decompressed).map_err(damaged)?;
     Ok((decompressed.len() as u64 <= limit).then_some(decompressed))
+}
+
+/// A file that was compressed as a whole, opened for reading.
+pub(super) fn open_file(path: &Path) -> Result<impl Read, RecordingError> {
+    ::zstd::stream::read::Decoder::new(open(path)?).map_err(|e| damaged_file(path, e))
+}
+
+/// The error for a compressed file that cannot be read on.
+pub(super) fn damaged_file(path: &Path, error: io::Error) -> RecordingError {
+    RecordingError::damaged(path, format!("Zstandard: {error}"))
 }
 
 /// The bytes of a file that was compressed as a whole.

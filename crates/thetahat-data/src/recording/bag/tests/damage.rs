@@ -31,7 +31,7 @@ fn bags_of_ros_1_cut_short_are_damaged() {
         for length in (0..whole.len()).step_by(EVERY) {
             let mut topics = Topics::new(Path::new("a.bag"), length as u64);
             let error = ros1::read_from(&whole[..length], length as u64, None, &mut topics).err();
-            // A bag that ends between two records of its index is whole but for the index.
+            // A bag that ends between two entries of its index is whole but for the index.
             assert!(matches!(error, None | Some(RecordingError::Damaged { .. })), "{length}: {error:?}");
             assert!(error.is_some() || length > 4096, "{length}");
         }

@@ -211,7 +211,7 @@ fn type_that_is_not_defined_is_named() {
     assert!(error.contains("Motor") && error.contains("motors"), "{error}");
 }
 
-/// The state of a trajectory controller in its old and new form, told apart by the length of the message.
+/// The state of a trajectory controller in its old and new form, distinguished by the length of the message.
 #[test]
 fn states_of_trajectory_controllers_name_joints() {
     let forms = built_in::schemas("control_msgs/msg/JointTrajectoryControllerState");

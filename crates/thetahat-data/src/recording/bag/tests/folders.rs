@@ -101,3 +101,15 @@ fn compressed_bytes_that_expand_beyond_the_limit() {
     let decompressed = |limit| decompress(expanding.as_slice(), limit, Path::new("a.db3"), "a message").unwrap();
     assert!(decompressed((1 << 20) - 1).is_none() && decompressed(1 << 20).is_some());
 }
+
+#[test]
+fn compressed_file_cut_short() {
+    let whole = ::zstd::encode_all(bytes(ALL_MCAP).as_slice(), 3).unwrap();
+    for (name, whole, format) in [("a.mcap.zstd", whole, Format::Mcap), ("a.db3.zstd", bytes(FILE_DB3), Format::Db3)] {
+        for length in (1..whole.len()).step_by(40) {
+            let folder = Folder::with(name, &whole[..length]);
+            let error = channels(&folder.path().join(name), format, None, &["elbow.position".to_owned()]).unwrap_err();
+            assert!(matches!(error, RecordingError::Damaged { .. }), "{name}, {length}: {error}");
+        }
+    }
+}

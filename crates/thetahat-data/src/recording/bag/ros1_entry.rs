@@ -1,15 +1,15 @@
-//! A record of a bag of ROS 1: fields by their names, and data.
+//! An entry of a bag of ROS 1: fields by their names, and data.
 
 /// The fields of a header: each a length, a name, `=` and a value.
 pub(super) struct Header<'a>(pub(super) &'a [u8]);
 
-pub(super) struct Record<'a> {
+pub(super) struct Entry<'a> {
     pub(super) header: Header<'a>,
     pub(super) data: &'a [u8],
 }
 
-impl<'a> Record<'a> {
-    /// The first record of some bytes, which are then those after it.
+impl<'a> Entry<'a> {
+    /// The first entry of some bytes, which are then those after it.
     pub(super) fn first(bytes: &mut &'a [u8]) -> Option<Self> {
         let (header, after) = part(bytes)?;
         let (data, after) = part(after)?;
