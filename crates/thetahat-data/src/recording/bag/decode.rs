@@ -5,10 +5,10 @@ use super::schema::{Count, Encoding, Field, Kind, LONGEST_NAME, Role, Schema, is
 
 /// Longest array whose elements are signals: longer ones are images, scans and the like.
 pub(super) const MOST_ELEMENTS: usize = 1024;
-/// Largest number of signals of a message.
+/// Largest number of signals, sequences and names of a message.
 const MOST_VALUES: usize = 8192;
 /// Deepest nesting of messages.
-const DEEPEST: usize = 32;
+const DEEPEST: usize = 16;
 /// Fields that any message may have, and more for each of its bytes: empty types take no bytes.
 const STEPS: usize = 1024;
 const STEPS_A_BYTE: usize = 32;
@@ -61,7 +61,7 @@ struct Decoder<'s, 'a> {
     decoded: Decoded<'a>,
 }
 
-impl Decoder<'_, '_> {
+impl<'a> Decoder<'_, 'a> {
     fn message(&mut self, of: usize, place: Place) -> Result<(), String> {
         if place.depth > DEEPEST {
             return Err(format!("its types are nested more than {DEEPEST} deep"));
@@ -86,6 +86,7 @@ impl Decoder<'_, '_> {
             Count::Sequence => {
                 let count = self.cursor.length().ok_or_else(|| ends(field))?;
                 self.decoded.lengths.push(count);
+                self.require_few(self.decoded.lengths.len(), "sequences")?;
                 self.array(field, count, place)
             }
         }
@@ -95,10 +96,7 @@ impl Decoder<'_, '_> {
         match field.kind {
             Kind::Text => {
                 let text = self.cursor.text().ok_or_else(|| ends(field))?;
-                if place.in_list && is_name(field) {
-                    self.decoded.texts.push(as_text(text, field)?);
-                }
-                Ok(())
+                if place.in_list && is_name(field) { self.push_text(text, field) } else { Ok(()) }
             }
             Kind::Message(of) => {
                 let has_stamp = place.depth == 0 && is_header(field);
@@ -120,10 +118,11 @@ impl Decoder<'_, '_> {
 
     fn push(&mut self, value: Option<f64>) -> Result<(), String> {
         self.decoded.values.extend(value);
-        if self.decoded.values.len() <= MOST_VALUES {
-            return Ok(());
-        }
-        Err(format!("it has more than {MOST_VALUES} numbers"))
+        self.require_few(self.decoded.values.len(), "numbers")
+    }
+
+    fn require_few(&self, count: usize, what: &str) -> Result<(), String> {
+        if count <= MOST_VALUES { Ok(()) } else { Err(format!("it has more than {MOST_VALUES} {what}")) }
     }
 
     fn array(&mut self, field: &Field, count: usize, place: Place) -> Result<(), String> {
@@ -159,10 +158,17 @@ impl Decoder<'_, '_> {
         for _ in 0..count {
             let text = self.cursor.text().ok_or_else(|| ends(field))?;
             if count <= MOST_ELEMENTS {
-                self.decoded.texts.push(as_text(text, field)?);
+                self.push_text(text, field)?;
             }
         }
         Ok(())
+    }
+
+    /// Keeps a text that may be a name; an empty one if it is too long for a name.
+    fn push_text(&mut self, bytes: &'a [u8], field: &Field) -> Result<(), String> {
+        let text = str::from_utf8(bytes).map_err(|_| format!("its {:?} is not text", field.name))?;
+        self.decoded.texts.push(if text.len() > LONGEST_NAME { "" } else { text });
+        self.require_few(self.decoded.texts.len(), "texts")
     }
 
     /// A number, or a time in seconds; none of a text.
@@ -188,10 +194,4 @@ impl Decoder<'_, '_> {
 
 fn ends(field: &Field) -> String {
     format!("it ends within its {:?}", field.name)
-}
-
-/// A text that may be a name; empty if it is too long for one.
-fn as_text<'a>(bytes: &'a [u8], field: &Field) -> Result<&'a str, String> {
-    let text = str::from_utf8(bytes).map_err(|_| format!("its {:?} is not text", field.name))?;
-    Ok(if text.len() > LONGEST_NAME { "" } else { text })
 }

@@ -24,22 +24,27 @@ pub(in super::super) fn channels(
 }
 
 /// All topics that can be read, those of joint states first, then those that name joints; and the names and types of the other topics.
+/// Where joint states hold positions and efforts, they are the recording: the others are named, and read where a signal names them.
 #[cfg(feature = "rosbag")]
 pub(in super::super) fn tables(path: &Path, format: Format) -> Result<(Vec<Table>, Vec<OtherTopic>), RecordingError> {
     tables_of(read(path, format, None)?)
 }
 
 #[cfg(feature = "rosbag")]
-fn tables_of(mut topics: Topics) -> Result<(Vec<Table>, Vec<OtherTopic>), RecordingError> {
+pub(super) fn tables_of(mut topics: Topics) -> Result<(Vec<Table>, Vec<OtherTopic>), RecordingError> {
     topics.list.sort_by_key(|topic| (!topic.is_joint_state(), !topic.has_joints()));
     let (mut tables, mut others) = (Vec::new(), topics.others);
+    let are_enough = topics.list.iter().any(|t| t.is_joint_state() && t.has_field("position") && t.has_field("effort"));
     for topic in &mut topics.list {
         match topic.problem.take() {
             Some(problem) if topic.is_joint_state() => return Err(problem),
             Some(_) => others.push(other(topic, String::new())),
             None => others.extend(left_out(topic)),
         }
-        if topic.has_signals() {
+        if are_enough && !topic.is_joint_state() && topic.has_signals() {
+            let remark = format!(", {} signals: read where topic = {:?} names it", topic.count(), topic.name);
+            others.push(other(topic, remark));
+        } else if topic.has_signals() {
             tables.extend(super::tables::of(topic));
         }
     }

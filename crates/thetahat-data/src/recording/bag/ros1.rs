@@ -22,6 +22,8 @@ const FIRST_LINE: &[u8] = b"#ROSBAG V2.0\n";
 const LONGEST_HEADER: u64 = 1 << 20;
 /// Longest data of an entry, compressed or not: chunks have about a megabyte, or one large image.
 const LONGEST_ENTRY: u64 = 1 << 28;
+/// Largest number of connections.
+const MOST_CONNECTIONS: usize = 1 << 16;
 /// Kinds of entries.
 const MESSAGE: u8 = 2;
 const CHUNK: u8 = 5;
@@ -152,6 +154,9 @@ impl Bag<'_> {
         };
         if self.places.contains_key(&number) {
             return Ok(());
+        }
+        if self.places.len() == MOST_CONNECTIONS {
+            return Err(self.damaged(&format!("it has more than {MOST_CONNECTIONS} connections")));
         }
         let text = of_publisher.text("message_definition").unwrap_or_default();
         let schemas = schema(kind, text, Language::Msg, Encoding::Ros1).into_iter().collect();

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 /// Largest number of types in one definition.
 const MOST_TYPES: usize = 4096;
 /// Longest name of a field or a joint, in bytes.
-pub(super) const LONGEST_NAME: usize = 256;
+pub(super) const LONGEST_NAME: usize = 128;
 /// The member that ROS 2 gives to a type without fields.
 pub(super) const PLACEHOLDER: &str = "structure_needs_at_least_one_member";
 

@@ -77,6 +77,16 @@ impl Topic {
         self.layouts.iter().any(|layout| !layout.columns.is_empty())
     }
 
+    /// Number of signals of its first message.
+    pub(super) fn count(&self) -> usize {
+        self.layouts.first().map_or(0, |layout| layout.columns.len())
+    }
+
+    /// Whether its messages hold a field of joints.
+    pub(super) fn has_field(&self, field: &str) -> bool {
+        self.layouts.iter().flat_map(|layout| &layout.columns).any(|column| column.field == field)
+    }
+
     /// Whether its messages state their time.
     pub(super) fn has_stamp(&self) -> bool {
         self.schemas.first().is_some_and(Schema::has_stamp)
@@ -170,7 +180,9 @@ impl Layout {
     /// The number of values that take as much memory.
     fn size(&self) -> usize {
         const COLUMN: usize = 128;
-        self.columns.iter().map(|column| (COLUMN + 2 * column.name.len() + column.field.len()) / 8).sum()
+        let names = self.columns.iter().map(|column| COLUMN + 2 * column.name.len() + column.field.len());
+        let texts = self.texts.iter().map(|text| size_of::<String>() + text.len());
+        names.chain(texts).sum::<usize>() / 8 + self.lengths.len()
     }
 
     /// The place of each column by its name.

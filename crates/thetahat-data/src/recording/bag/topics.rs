@@ -16,7 +16,7 @@ const EXPANSION: u64 = 32;
 /// Longest message that is decompressed, in bytes.
 const LONGEST_MESSAGE: u64 = 1 << 26;
 /// Largest number of topics.
-const MOST_TOPICS: usize = 1 << 16;
+const MOST_TOPICS: usize = 1 << 12;
 
 /// Packages and types whose messages hold no signals of a robot's joints: they are read only where their topic is named.
 const NO_SIGNALS: [&str; 19] = [

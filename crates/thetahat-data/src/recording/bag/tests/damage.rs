@@ -66,3 +66,20 @@ fn other_files_are_no_bags_of_ros_1() {
     let error = ros1::read_from(text.as_slice(), 800, None, &mut Topics::new(Path::new("a.bag"), 800)).unwrap_err();
     assert!(matches!(&error, RecordingError::Damaged { reason, .. } if reason.contains("#ROSBAG V2.0")), "{error}");
 }
+
+/// A chunk of a few bytes that states gigabytes, or decompresses to more than it states.
+#[test]
+fn chunks_of_ros_1_cannot_ask_for_memory() {
+    let whole = bytes(ROS1_BZ2);
+    let place = whole.windows(5).position(|bytes| bytes == b"size=").unwrap() + 5;
+    for size in [u32::MAX, 1 << 27, 10, 0] {
+        let mut bytes = whole.clone();
+        bytes[place..place + 4].copy_from_slice(&size.to_le_bytes());
+        let mut topics = Topics::new(Path::new("a.bag"), bytes.len() as u64);
+        let error = ros1::read_from(bytes.as_slice(), bytes.len() as u64, None, &mut topics).unwrap_err();
+        assert!(
+            matches!(&error, RecordingError::Damaged { reason, .. } if reason.contains("chunk")),
+            "{size}: {error}"
+        );
+    }
+}

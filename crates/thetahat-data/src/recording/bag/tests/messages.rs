@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use super::super::super::{Format, RecordingError};
-use super::super::{BagError, channels, tables};
+use super::super::read::tables_of;
+use super::super::topics::Topics;
+use super::super::{BagError, channels, mcap, tables};
 use super::bags::{ALL_DB3, ALL_MCAP, ROS1, ROS1_BZ2, ROS1_LZ4, bytes};
 use thetahat_testing::Folder;
 
@@ -82,18 +84,29 @@ fn interfaces_are_addressed_by_joint_and_name() {
 }
 
 #[test]
-fn joint_states_come_first_in_the_summary() {
+fn joint_states_with_efforts_are_the_summary() {
     for (folder, name, format) in bags() {
-        let (tables, _) = tables(&folder.path().join(name), format).unwrap();
-        let names: Vec<&str> = tables.iter().map(|table| table.name.as_str()).collect();
-        assert_eq!((names[0], names[names.len() - 1]), ("/joint_states", "/lowstate"), "{name}");
+        let (tables, others) = tables(&folder.path().join(name), format).unwrap();
+        assert_eq!(tables.len(), 1, "{name}");
         let columns: Vec<&str> = tables[0].columns.iter().map(|column| column.name.as_str()).collect();
         let expected =
             ["stamp", "log_time", "shoulder.position", "shoulder.velocity", "shoulder.effort", "elbow.position"];
         assert_eq!(columns[..6], expected, "{name}");
-        let of_motors: Vec<&str> = tables[names.len() - 1].columns.iter().map(|column| column.name.as_str()).collect();
-        assert!(of_motors.contains(&"motor_state[2].dq") && !of_motors.contains(&"image[0]"), "{of_motors:?}");
+        let low = others.iter().find(|other| other.name == "/lowstate").unwrap();
+        assert!(low.kind.ends_with(", 33 signals: read where topic = \"/lowstate\" names it"), "{name}: {}", low.kind);
     }
+}
+
+#[test]
+fn other_topics_are_summarised_where_there_are_no_joint_states() {
+    let mut topics = Topics::new(Path::new("a.mcap"), 1);
+    mcap::read_from(bytes(ALL_MCAP).as_slice(), None, &mut topics).unwrap();
+    topics.list.retain(|topic| !topic.is_joint_state());
+    let (tables, others) = tables_of(topics.in_order_of_time()).unwrap();
+    let names: Vec<&str> = tables.iter().map(|table| table.name.as_str()).collect();
+    assert_eq!((names.as_slice(), others.len()), (["/dynamic", "/lowstate"].as_slice(), 0));
+    let columns: Vec<&str> = tables[1].columns.iter().map(|column| column.name.as_str()).collect();
+    assert!(columns.contains(&"motor_state[2].dq") && !columns.contains(&"image[0]"), "{columns:?}");
 }
 
 #[test]
