@@ -1,3 +1,3 @@
-//! Recordings of robots from text, NumPy, MATLAB, Parquet and ROS 2 bags.
+//! Recordings of robots from text, NumPy, MATLAB, Parquet and ROS bags.
 
 pub mod recording;

@@ -33,8 +33,8 @@ pub enum RecordingError {
 
     /// The extension belongs to no known format.
     #[error(
-        "{file}: expected a file name that ends in .csv or .mat, or in .tsv, .txt, .dat, .npy, .npz, .parquet, .db3 or \
-         .mcap, found {found:?}; export the recording to CSV"
+        "{file}: expected a file name that ends in .csv or .mat, or in .tsv, .txt, .dat, .npy, .npz, .parquet, .db3, \
+         .mcap or .bag, or a folder with metadata.yaml, found {found:?}; export the recording to CSV"
     )]
     UnknownFormat {
         /// The file.
@@ -114,7 +114,7 @@ pub enum RecordingError {
         limit: usize,
     },
 
-    /// The joint states of a bag are rejected.
+    /// The signals of a bag are rejected.
     #[error("{file}: {problem}")]
     Bag {
         /// The file.

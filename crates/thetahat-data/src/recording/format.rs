@@ -23,6 +23,10 @@ pub enum Format {
     Db3,
     /// A ROS 2 bag in MCAP: `.mcap`.
     Mcap,
+    /// A bag of ROS 1: `.bag`.
+    Ros1,
+    /// A ROS 2 bag of one or several files: its folder, or `metadata.yaml`.
+    Metadata,
 }
 
 /// The structure in which a file contains its channels.
@@ -47,6 +51,7 @@ impl Format {
             "parquet" => Some(Self::Parquet),
             "db3" => Some(Self::Db3),
             "mcap" => Some(Self::Mcap),
+            "bag" => Some(Self::Ros1),
             _ => None,
         }
     }
@@ -56,12 +61,13 @@ impl Format {
         match self {
             Self::Csv => Holds::Lines,
             Self::Npy | Self::Npz | Self::Mat | Self::Parquet => Holds::Arrays,
-            Self::Db3 | Self::Mcap => Holds::Topics,
+            Self::Db3 | Self::Mcap | Self::Ros1 | Self::Metadata => Holds::Topics,
         }
     }
 
     /// Whether the file is a bag: its tables are topics.
-    pub(super) fn is_bag(self) -> bool {
+    #[must_use]
+    pub fn is_bag(self) -> bool {
         self.holds() == Holds::Topics
     }
 
@@ -81,6 +87,8 @@ impl fmt::Display for Format {
             Self::Parquet => "a Parquet file",
             Self::Db3 => "a ROS 2 bag in SQLite",
             Self::Mcap => "a ROS 2 bag in MCAP",
+            Self::Ros1 => "a ROS 1 bag",
+            Self::Metadata => "a folder of a ROS 2 bag",
         })
     }
 }

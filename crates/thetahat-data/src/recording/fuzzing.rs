@@ -49,6 +49,12 @@ pub fn db3(bytes: &[u8]) {
     super::bag::fuzz_db3(bytes);
 }
 
+/// A bag of ROS 1.
+#[cfg(feature = "rosbag")]
+pub fn ros1(bytes: &[u8]) {
+    super::bag::fuzz_ros1(bytes);
+}
+
 /// A bag in MCAP.
 #[cfg(feature = "rosbag")]
 pub fn mcap(bytes: &[u8]) {

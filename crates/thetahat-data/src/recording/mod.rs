@@ -3,7 +3,7 @@
 //! A [`ChannelSource`] describes where the channels of one signal are (file, columns) and what they are (unit, side of the transmission,
 //! gain); [`read_channels`] reads them as a [`Series`](thetahat_ground::series::Series), and rejects ambiguous columns and values that are
 //! not finite. [`inspect`] lists the content of a file, even of a flawed one. The [`Format`] follows from the extension: text in columns,
-//! NumPy, MATLAB, Parquet and ROS 2 bags; `docs/reference/recordings.md` describes each. Values from the motor side stay on the motor side:
+//! NumPy, MATLAB, Parquet and ROS bags; `docs/reference/recordings.md` describes each. Values from the motor side stay on the motor side:
 //! the robot's transmission converts them.
 //!
 //! | file | what it does |

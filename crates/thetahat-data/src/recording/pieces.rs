@@ -51,7 +51,7 @@ impl SignalPieces {
         }
         for &source in sources {
             source.refuse_repetition()?;
-            let format = Format::of(&source.file)?;
+            let format = source.format(root)?;
             source.refuse_useless_settings(format)?;
             let path = source.place(root)?;
             let shared = pieces.signals.iter().find(|s| s.path == path && s.source.dialect() == source.dialect());

@@ -34,7 +34,7 @@ pub struct ChannelSource {
     pub file: PathBuf,
     /// Names of columns or variables, in the order of the channels. A variable with several columns gives several
     /// channels, and `name[3]` only its third. None means all columns of a table (CSV, Parquet), or the only numeric variable of another
-    /// file. Joints of a bag are `elbow.position`, `elbow.velocity`, `elbow.effort`.
+    /// file. Joints of a bag are `elbow.position`, `elbow.velocity`, `elbow.effort`; other signals of its messages `motor_state[3].q`, counted from 0.
     #[serde(default)]
     pub columns: Vec<String>,
     /// The unit of the values in the file: one for all channels, or one for each.
@@ -45,7 +45,7 @@ pub struct ChannelSource {
     /// A factor for all channels, or one for each, applied after the unit; none means 1 for all.
     #[serde(default)]
     pub gain: Option<OneOrEach<f64>>,
-    /// The topic of a bag; required if several topics of the bag have joint states.
+    /// The topic of a bag; required if several topics of the bag have joint states, or if the signals are not in the one that has.
     #[serde(default)]
     pub topic: Option<String>,
     /// The delimiter of a CSV file, one character; none means that it is detected. A space means any number of spaces.
@@ -289,9 +289,22 @@ impl ChannelSource {
         }
     }
 
+    /// The format of the file, which may be a folder below `root`.
+    pub(super) fn format(&self, root: &Path) -> Result<Format, RecordingError> {
+        let of_path = Format::of(&self.path(root)).ok();
+        of_path.map_or_else(|| Format::of(&self.file), Ok)
+    }
+
     /// The path to read from: inside the folder of the data, unless the file may be anywhere.
     pub(super) fn place(&self, root: &Path) -> Result<PathBuf, RecordingError> {
-        if self.anywhere { Ok(self.path(root)) } else { place::inside(root, &self.file) }
+        if self.anywhere {
+            return Ok(self.path(root));
+        }
+        // Of a folder, its metadata are to be inside.
+        match Format::metadata_of(&self.path(root)) {
+            Some(metadata) if metadata != self.path(root) => place::inside(root, &Format::metadata_below(&self.file)),
+            Some(_) | None => place::inside(root, &self.file),
+        }
     }
 }
 
@@ -305,7 +318,7 @@ impl ChannelSource {
 /// is missing, a value is not a finite number, or the gains do not fit the channels.
 pub fn read_channels(source: &ChannelSource, root: &Path) -> Result<Series, RecordingError> {
     source.refuse_repetition()?;
-    let format = Format::of(&source.file)?;
+    let format = source.format(root)?;
     source.refuse_useless_settings(format)?;
     let mut series = read(source, format, &source.place(root)?)?;
     let factors = source.factors(series.channels())?;

@@ -1,83 +1,31 @@
-//! Joints by name over all messages of a topic.
+//! Signals by name over all messages of a topic.
 
-use super::super::checks::require_finite;
+use std::collections::HashMap;
+
 use super::super::error::RecordingError;
+use super::super::table::is_plausible;
+use super::asked::{Asked, Time};
 use super::error::BagError;
-use super::topic::{Field, Message, Topic, Topics};
+use super::layouts::{example, groups, is_read};
+use super::naming::Column;
+use super::topic::{Layout, Message, Topic, seconds};
+use super::topics::Topics;
 use thetahat_ground::series::Series;
 
-/// The content of a requested column.
-#[derive(Debug, Clone, PartialEq)]
-enum Asked {
-    /// A value of a joint.
-    Value(String, Field),
-    /// A time of the messages that hold a joint, or of all.
-    Time(Option<String>, Time),
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Time {
-    Stamp,
-    Log,
-}
-
-impl Asked {
-    fn of(column: &str) -> Option<Self> {
-        if let Some(time) = Time::of(column) {
-            return Some(Self::Time(None, time));
-        }
-        let (joint, word) = column.rsplit_once('.')?;
-        let joint = joint.to_owned();
-        match Time::of(word) {
-            Some(time) => Some(Self::Time(Some(joint), time)),
-            None => Some(Self::Value(joint, field(word)?)),
-        }
+/// The requested columns, from the messages that hold all of them.
+pub(super) fn of(mut topics: Topics, topic: Option<&str>, columns: &[String]) -> Result<Series, RecordingError> {
+    let file = topics.path.clone();
+    let refuse = |problem| RecordingError::Bag { file: file.clone(), problem: Box::new(problem) };
+    let place = topics.topic(topic)?;
+    let chosen = SelectedTopic { topics: &topics, topic: &topics.list[place], refuse: &refuse };
+    if chosen.topic.messages.is_empty() {
+        return Err(RecordingError::NoSamples { file: file.clone() });
     }
-
-    fn joint(&self) -> Option<&str> {
-        match self {
-            Self::Value(joint, _) | Self::Time(Some(joint), _) => Some(joint),
-            Self::Time(None, _) => None,
-        }
-    }
-}
-
-impl Time {
-    fn of(word: &str) -> Option<Self> {
-        match word {
-            "stamp" => Some(Self::Stamp),
-            "log_time" => Some(Self::Log),
-            _ => None,
-        }
-    }
-
-    pub(super) fn nanoseconds(self, message: &Message) -> i64 {
-        match self {
-            Self::Stamp => message.stamp_ns,
-            Self::Log => message.log_time_ns,
-        }
-    }
-}
-
-fn field(word: &str) -> Option<Field> {
-    Field::ALL.into_iter().find(|field| field.name() == word)
-}
-
-/// The requested columns, from the messages that contain their joints.
-pub(super) fn of(topics: &Topics, topic: Option<&str>, columns: &[String]) -> Result<Series, RecordingError> {
-    let chosen = SelectedTopic { topics, topic: topics.topic(topic)? };
     let asked = chosen.asked(columns)?;
-    chosen.check_joints(&asked)?;
-    let mut values = Vec::new();
-    for (number, message) in chosen.topic.messages.iter().enumerate() {
-        chosen.add(number + 1, message, &asked, &mut values)?;
-    }
-    if values.is_empty() {
-        return Err(RecordingError::NoSamples { file: topics.path.clone() });
-    }
-    let series = Series::shaped(asked.len(), values);
-    for (channel, column) in asked.iter().enumerate() {
-        require_finite(&series.channel(channel), &topics.path, &format!("{column:?}"))?;
+    let messages = chosen.messages(&asked)?;
+    let series = chosen.series(&asked, &messages);
+    for (channel, asked) in asked.iter().enumerate() {
+        chosen.check(&series.channel(channel), asked, &messages)?;
     }
     Ok(series)
 }
@@ -85,125 +33,190 @@ pub(super) fn of(topics: &Topics, topic: Option<&str>, columns: &[String]) -> Re
 struct SelectedTopic<'a> {
     topics: &'a Topics,
     topic: &'a Topic,
+    refuse: &'a dyn Fn(BagError) -> RecordingError,
 }
 
 impl SelectedTopic<'_> {
+    fn refuse(&self, problem: BagError) -> RecordingError {
+        (self.refuse)(problem)
+    }
+
     fn asked(&self, columns: &[String]) -> Result<Vec<Asked>, RecordingError> {
-        if let [only] = columns
-            && let Some(field) = field(only)
-        {
-            return self.all_joints(field);
-        }
-        let file = || self.topics.path.clone();
         if columns.is_empty() {
-            return Err(RecordingError::NoColumnListed { file: file(), found: self.names() });
+            return Err(RecordingError::NoColumnListed { file: self.topics.path.clone(), found: self.names() });
         }
-        let missing = |column: &String| RecordingError::MissingColumn {
-            file: file(),
-            column: column.clone(),
-            found: self.names(),
-        };
-        columns.iter().map(|column| Asked::of(column).ok_or_else(|| missing(column))).collect()
+        if let [only] = columns
+            && let Some(first) = self.first_with_field(only)
+        {
+            return self.all_joints(only, first);
+        }
+        let asked: Vec<Asked> = columns.iter().map(|column| Asked::of(column, self.topic)).collect();
+        let is_missing = |asked: &Asked| !self.topic.layouts.iter().any(|layout| asked.is_in(layout));
+        let has_no_stamp = |asked: &Asked| matches!(asked, Asked::Time(_, Time::Stamp)) && !self.topic.has_stamp();
+        match asked.iter().position(|asked| is_missing(asked) || has_no_stamp(asked)) {
+            None => Ok(asked),
+            Some(place) => Err(self.missing(&columns[place])),
+        }
+    }
+
+    /// The first message that is read and has a field of several joints or elements, or of one without a name.
+    fn first_with_field(&self, field: &str) -> Option<&Message> {
+        let is_read = is_read(self.topic);
+        let has_field = |layout: &Layout| layout.columns.iter().any(|c| c.field == field && c.name != field);
+        let layouts: Vec<bool> =
+            self.topic.layouts.iter().zip(&is_read).map(|(l, read)| *read && has_field(l)).collect();
+        self.topic.messages.iter().find(|message| layouts[message.layout])
     }
 
     /// A field of all joints in the order of the first message, which all messages must have.
-    fn all_joints(&self, field: Field) -> Result<Vec<Asked>, RecordingError> {
-        let messages = &self.topic.messages;
-        let Some(first) = messages.first() else {
-            return Err(RecordingError::NoSamples { file: self.topics.path.clone() });
+    fn all_joints(&self, field: &str, first: &Message) -> Result<Vec<Asked>, RecordingError> {
+        let is_read = is_read(self.topic);
+        let names = |message: &Message| -> Vec<String> {
+            let columns = self.topic.columns_of(message).iter().filter(|column| column.field == field);
+            columns.map(|column| column.name.clone()).collect()
         };
-        let joints = self.topic.joints_of(first);
-        match messages.iter().position(|message| message.joints != first.joints) {
-            None if joints.is_empty() => Err(RecordingError::NoSamples { file: self.topics.path.clone() }),
-            None => Ok(joints.iter().map(|joint| Asked::Value(joint.clone(), field)).collect()),
-            Some(place) => Err(self.topics.refuse(BagError::JointsChange {
+        let expected = names(first);
+        let same: Vec<bool> = self.topic.layouts.iter().map(|layout| in_field(layout, field).eq(&expected)).collect();
+        let is_other = |message: &Message| is_read[message.layout] && !same[message.layout];
+        match self.topic.messages.iter().position(is_other) {
+            None => Ok(expected.into_iter().map(Asked::Signal).collect()),
+            Some(place) => Err(self.refuse(BagError::JointsChange {
                 topic: self.topic.name.clone(),
                 message: place + 1,
-                expected: joints.to_vec(),
-                found: self.topic.joints_of(&messages[place]).to_vec(),
+                found: names(&self.topic.messages[place]),
+                expected,
             })),
         }
     }
 
-    /// Checks that each joint occurs in some message, and that a time without a joint is unambiguous.
-    fn check_joints(&self, asked: &[Asked]) -> Result<(), RecordingError> {
-        let is_known = |joint: &str| self.topic.joints.iter().flatten().any(|known| known == joint);
-        if let Some(joint) = asked.iter().filter_map(Asked::joint).find(|joint| !is_known(joint)) {
-            let (file, column) = (self.topics.path.clone(), joint.to_owned());
-            return Err(RecordingError::MissingColumn { file, column, found: self.names() });
+    /// The messages that hold all that is asked for.
+    fn messages(&self, asked: &[Asked]) -> Result<Vec<&Message>, RecordingError> {
+        let holds = |layout: &Layout| asked.iter().all(|asked| asked.is_in(layout));
+        let is_read = is_read(self.topic);
+        let layouts: Vec<bool> = self.topic.layouts.iter().zip(&is_read).map(|(l, read)| *read && holds(l)).collect();
+        let messages: Vec<&Message> = self.topic.messages.iter().filter(|message| layouts[message.layout]).collect();
+        if messages.is_empty() {
+            return Err(self.in_different_messages(asked));
         }
-        if asked.iter().any(|asked| asked.joint().is_some()) || self.has_one_set_of_joints() {
-            return Ok(());
+        if asked.iter().all(|asked| matches!(asked, Asked::Time(None, _))) {
+            self.check_one_group()?;
         }
-        let joint = self.topic.joints.iter().flatten().next().map_or("joint", String::as_str);
-        Err(self
-            .topics
-            .refuse(BagError::UnclearTime { topic: self.topic.name.clone(), example: format!("{joint}.stamp") }))
+        Ok(messages)
     }
 
-    fn has_one_set_of_joints(&self) -> bool {
-        let [first, others @ ..] = self.topic.joints.as_slice() else { return true };
-        others.iter().all(|list| list.len() == first.len() && list.iter().all(|joint| first.contains(joint)))
+    /// Checks that the time of the messages is that of one set of joints.
+    fn check_one_group(&self) -> Result<(), RecordingError> {
+        let groups = groups(self.topic);
+        let [first, _, ..] = groups.as_slice() else { return Ok(()) };
+        let joint = example(self.topic, first, &groups).unwrap_or("joint");
+        let (topic, example) = (self.topic.name.clone(), format!("{joint}.stamp"));
+        Err(self.refuse(BagError::UnclearTime { topic, example }))
     }
 
-    fn names(&self) -> Vec<String> {
-        let mut joints: Vec<&String> = Vec::new();
-        for joint in self.topic.joints.iter().flatten() {
-            if !joints.contains(&joint) {
-                joints.push(joint);
-            }
-        }
-        let of_joint = |joint: &&String| Field::ALL.map(|field| format!("{joint}.{}", field.name()));
-        ["stamp".to_owned(), "log_time".to_owned()].into_iter().chain(joints.iter().flat_map(of_joint)).collect()
-    }
-
-    /// Adds one sample, unless the message holds none of the joints.
-    fn add(
-        &self,
-        number: usize,
-        message: &Message,
-        asked: &[Asked],
-        values: &mut Vec<f64>,
-    ) -> Result<(), RecordingError> {
-        let joints = self.topic.joints_of(message);
-        let place = |joint: &str| joints.iter().position(|known| known == joint);
-        let present = asked.iter().filter_map(Asked::joint).find(|joint| place(joint).is_some());
-        if present.is_none() && asked.iter().any(|asked| asked.joint().is_some()) {
-            return Ok(());
-        }
-        for asked in asked {
-            let joint = match asked.joint() {
-                Some(joint) => place(joint).ok_or_else(|| self.missing_joint(number, joint, present, joints))?,
-                None => 0,
-            };
-            values.push(self.value(number, message, asked, joint)?);
-        }
-        Ok(())
-    }
-
-    fn value(&self, number: usize, message: &Message, asked: &Asked, joint: usize) -> Result<f64, RecordingError> {
-        match asked {
-            Asked::Time(_, time) => Ok(self.seconds(*time, message)),
-            Asked::Value(_, field) => self.topic.value(message, joint, *field).ok_or_else(|| {
-                let (topic, field) = (self.topic.name.clone(), field.name());
-                self.topics.refuse(BagError::MissingField { topic, message: number, field })
-            }),
-        }
+    fn series(&self, asked: &[Asked], messages: &[&Message]) -> Series {
+        let places: Vec<HashMap<&str, usize>> = self.topic.layouts.iter().map(Layout::places).collect();
+        let value = |message: &Message, asked: &Asked| match asked {
+            Asked::Time(_, time) => Some(self.seconds(*time, message)),
+            Asked::Signal(name) => self.topic.value(message, *places[message.layout].get(name.as_str())?),
+        };
+        let sample = |message: &&Message| -> Vec<f64> {
+            asked.iter().map(|asked| value(message, asked).unwrap_or(f64::NAN)).collect()
+        };
+        Series::shaped(asked.len(), messages.iter().flat_map(sample).collect())
     }
 
     /// Seconds since the first message of the topic.
     fn seconds(&self, time: Time, message: &Message) -> f64 {
         let first = self.topic.messages.first().map_or(0, |first| time.nanoseconds(first));
-        super::topic::seconds(time.nanoseconds(message), first)
+        seconds(time.nanoseconds(message), first)
     }
 
-    fn missing_joint(&self, message: usize, joint: &str, present: Option<&str>, found: &[String]) -> RecordingError {
-        self.topics.refuse(BagError::MissingJoint {
+    /// Checks that all values of a column are finite, or that its stamps rise.
+    fn check(&self, values: &[f64], asked: &Asked, messages: &[&Message]) -> Result<(), RecordingError> {
+        match asked {
+            Asked::Signal(column) => self.check_finite(values, column, messages),
+            Asked::Time(_, Time::Stamp) => self.check_stamps(messages),
+            Asked::Time(_, Time::Log) => Ok(()),
+        }
+    }
+
+    fn check_finite(&self, values: &[f64], column: &str, messages: &[&Message]) -> Result<(), RecordingError> {
+        let Some(first) = values.iter().position(|value| !is_plausible(*value)) else { return Ok(()) };
+        let known = self.topic.columns_of(messages[first]).iter().find(|known| known.name == column);
+        let count = values.iter().filter(|value| !is_plausible(**value)).count();
+        Err(self.refuse(BagError::NotFinite {
             topic: self.topic.name.clone(),
-            message,
-            joint: joint.to_owned(),
-            present: present.unwrap_or_default().to_owned(),
-            found: found.to_vec(),
+            column: column.to_owned(),
+            joint: known.and_then(|column| column.joint.clone()),
+            sample: first,
+            found: values[first].to_string(),
+            count,
+            of: values.len(),
+        }))
+    }
+
+    fn check_stamps(&self, messages: &[&Message]) -> Result<(), RecordingError> {
+        let does_not_rise = |pair: &[&Message]| pair[1].stamp_ns <= pair[0].stamp_ns;
+        let count = messages.windows(2).filter(|pair| does_not_rise(pair)).count();
+        let Some(place) = messages.windows(2).position(does_not_rise) else { return Ok(()) };
+        let topic = self.topic.name.clone();
+        Err(self.refuse(if messages.iter().all(|message| message.stamp_ns == 0) {
+            BagError::NoStamp { topic }
+        } else {
+            let (previous, found) = (messages[place].stamp_ns, messages[place + 1].stamp_ns);
+            let text = |time| format!("{:.9}", seconds(time, 0));
+            BagError::StampsRepeat { topic, sample: place + 1, previous: text(previous), found: text(found), count }
+        }))
+    }
+
+    /// The error for a column that no message has.
+    fn missing(&self, column: &str) -> RecordingError {
+        let others = self.topics.list.iter().filter(|other| other.name != self.topic.name);
+        let asked = Asked::of(column, self.topic);
+        let holds = |other: &&super::topic::Topic| other.layouts.iter().any(|layout| asked.is_in(layout));
+        let other = others.into_iter().find(holds).filter(|_| matches!(asked, Asked::Signal(_)));
+        match other {
+            Some(other) => self.refuse(BagError::ColumnOfOtherTopic {
+                topic: self.topic.name.clone(),
+                column: column.to_owned(),
+                other: other.name.clone(),
+            }),
+            None => RecordingError::MissingColumn {
+                file: self.topics.path.clone(),
+                column: column.to_owned(),
+                found: self.names(),
+            },
+        }
+    }
+
+    /// The error for columns of which no message has all.
+    fn in_different_messages(&self, asked: &[Asked]) -> RecordingError {
+        let holds = |count: usize| self.topic.layouts.iter().any(|l| asked[..count].iter().all(|a| a.is_in(l)));
+        let missing = (1..asked.len()).find(|&place| !holds(place + 1)).unwrap_or(0);
+        let (topic, present) = (self.topic.name.clone(), missing.saturating_sub(1));
+        let layout = self.topic.layouts.iter().find(|l| asked[..=present].iter().all(|a| a.is_in(l)));
+        let found = layout.map(|layout| layout.columns.iter().map(|c| c.name.clone()).collect()).unwrap_or_default();
+        self.refuse(BagError::InDifferentMessages {
+            topic,
+            column: asked[missing].name(),
+            present: asked[present].name(),
+            found,
         })
     }
+
+    /// All columns of the topic.
+    fn names(&self) -> Vec<String> {
+        let mut names = vec!["log_time".to_owned()];
+        if self.topic.has_stamp() {
+            names.insert(0, "stamp".to_owned());
+        }
+        let mut known = std::collections::HashSet::new();
+        let columns = self.topic.layouts.iter().flat_map(|layout| &layout.columns);
+        names.extend(columns.filter(|column| known.insert(&column.name)).map(|column| column.name.clone()));
+        names
+    }
+}
+
+fn in_field<'a>(layout: &'a Layout, field: &'a str) -> impl Iterator<Item = &'a String> {
+    layout.columns.iter().filter(move |column| column.field == field).map(|column: &Column| &column.name)
 }

@@ -11,21 +11,28 @@ use rusqlite::{Connection, Row};
 
 use super::super::error::RecordingError;
 use super::super::place::{file_length, unreadable};
+use super::built_in;
+use super::definition::{Language, schema};
 use super::error::BagError;
-use super::other_topic::OtherTopic;
-use super::topic::{JOINT_STATE, Topics};
+use super::schema::{Encoding, Schema};
+use super::topics::Topics;
+use super::zstd;
 use thetahat_ground::files;
 
+/// The table of definitions.
+const DEFINITIONS: &str = "message_definitions";
 /// Steps of SQLite's virtual machine between two checks of their number.
 const STEPS_AT_A_TIME: i32 = 10_000;
 /// Steps allowed for any file, and more for each byte. A message takes about ten.
 const STEPS: u64 = 10_000_000;
 const STEPS_A_BYTE: u64 = 2;
 
-/// The joint states of a bag: of one topic, or of all.
-pub(super) fn read(path: &Path, topic: Option<&str>) -> Result<Topics, RecordingError> {
+/// The messages of a bag: of one topic, or of all.
+pub(super) fn read(path: &Path, topic: Option<&str>, topics: &mut Topics) -> Result<(), RecordingError> {
     let length = file_length(path)?;
-    let topics = Topics::new(path, length);
+    if zstd::is_compressed_file(path) {
+        return read_bytes(&zstd::decompress_file(path)?, topic, topics);
+    }
     if write_ahead_log(path).is_some_and(|log| files::length(&log).is_ok_and(|length| length > 0)) {
         return Err(topics.refuse(BagError::NotClosed));
     }
@@ -47,10 +54,10 @@ fn open(path: &Path) -> Result<Connection, RecordingError> {
     in_memory(&bytes).map_err(|e| damaged(path, &e))
 }
 
-/// The joint states of a bag in memory.
-pub(super) fn read_bytes(bytes: &[u8], path: &Path) -> Result<Topics, RecordingError> {
-    let (connection, length) = (in_memory(bytes).map_err(|e| damaged(path, &e))?, bytes.len() as u64);
-    Bag { connection, topics: Topics::new(path, length) }.read(length, None)
+/// The messages of a bag in memory.
+pub(super) fn read_bytes(bytes: &[u8], topic: Option<&str>, topics: &mut Topics) -> Result<(), RecordingError> {
+    let connection = in_memory(bytes).map_err(|e| damaged(&topics.path, &e))?;
+    Bag { connection, topics }.read(bytes.len() as u64, topic)
 }
 
 fn in_memory(bytes: &[u8]) -> rusqlite::Result<Connection> {
@@ -84,22 +91,32 @@ fn damaged(path: &Path, error: &rusqlite::Error) -> RecordingError {
     RecordingError::damaged(path, format!("SQLite: {error}"))
 }
 
-struct Bag {
+struct Bag<'a> {
     connection: Connection,
-    topics: Topics,
+    topics: &'a mut Topics,
 }
 
-impl Bag {
-    fn read(mut self, length: u64, topic: Option<&str>) -> Result<Topics, RecordingError> {
+/// A topic of the table of topics.
+struct TopicRow {
+    id: i64,
+    name: String,
+    kind: String,
+    serialization: String,
+}
+
+impl Bag<'_> {
+    fn read(mut self, length: u64, topic: Option<&str>) -> Result<(), RecordingError> {
         self.distrust(length).map_err(|e| self.damaged(&e))?;
-        self.require_tables()?;
-        for (id, name) in self.joint_states()? {
-            let place = self.topics.add_topic(name.clone());
-            if topic.is_none_or(|topic| topic == name) {
-                self.read_messages(id, place)?;
+        let tables = self.tables()?;
+        let definitions =
+            if tables.iter().any(|table| table == DEFINITIONS) { self.definitions()? } else { Vec::new() };
+        for row in self.rows()? {
+            let schemas = if row.serialization == "cdr" { schemas(&row.kind, &definitions) } else { Vec::new() };
+            if let Some(place) = self.topics.add_topic(row.name, row.kind, schemas, topic) {
+                self.read_messages(row.id, place)?;
             }
         }
-        Ok(self.topics)
+        Ok(())
     }
 
     fn damaged(&self, error: &rusqlite::Error) -> RecordingError {
@@ -118,8 +135,8 @@ impl Bag {
         self.connection.progress_handler(STEPS_AT_A_TIME, Some(is_over))
     }
 
-    /// Checks that the two tables are tables, and not views or virtual tables.
-    fn require_tables(&self) -> Result<(), RecordingError> {
+    /// The tables, without views and virtual tables; checks that those of a bag are among them.
+    fn tables(&self) -> Result<Vec<String>, RecordingError> {
         let mut found = Vec::new();
         let sql = "SELECT name FROM sqlite_schema WHERE type = 'table' AND rootpage > 0";
         self.each(sql, &[], |row| {
@@ -127,7 +144,7 @@ impl Bag {
             Ok(Ok(()))
         })?;
         match ["topics", "messages"].into_iter().find(|table| !found.iter().any(|name| name == table)) {
-            None => Ok(()),
+            None => Ok(found),
             Some(table) => {
                 let reason = format!("it has no table {table:?}, as a bag of ROS 2 has");
                 Err(RecordingError::damaged(&self.topics.path, reason))
@@ -135,29 +152,41 @@ impl Bag {
         }
     }
 
-    /// The topics of joint states, by number and name; adds the others to the list of unread topics.
-    fn joint_states(&mut self) -> Result<Vec<(i64, String)>, RecordingError> {
-        let (mut joint_states, mut others) = (Vec::new(), Vec::new());
-        self.each("SELECT id, name, type, serialization_format FROM topics", &[], |row| {
-            let (name, kind) = (text(row, 1)?, text(row, 2)?);
-            match kind == JOINT_STATE && text(row, 3)? == "cdr" {
-                true => joint_states.push((row.get(0)?, name)),
-                false => others.push(OtherTopic { name, kind }),
-            }
+    /// The definitions of types, which bags hold from Iron on.
+    fn definitions(&self) -> Result<Vec<Definition>, RecordingError> {
+        let mut found = Vec::new();
+        let sql = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions";
+        self.each(sql, &[], |row| {
+            let language = if text(row, 1)? == "ros2idl" { Language::Idl } else { Language::Msg };
+            found.push(Definition { kind: text(row, 0)?, language, text: text(row, 2)? });
             Ok(Ok(()))
         })?;
-        self.topics.others = others;
-        Ok(joint_states)
+        Ok(found)
+    }
+
+    fn rows(&self) -> Result<Vec<TopicRow>, RecordingError> {
+        let mut found = Vec::new();
+        self.each("SELECT id, name, type, serialization_format FROM topics", &[], |row| {
+            found.push(TopicRow {
+                id: row.get(0)?,
+                name: text(row, 1)?,
+                kind: text(row, 2)?,
+                serialization: text(row, 3)?,
+            });
+            Ok(Ok(()))
+        })?;
+        Ok(found)
     }
 
     fn read_messages(&mut self, topic: i64, place: usize) -> Result<(), RecordingError> {
-        let mut topics = std::mem::replace(&mut self.topics, Topics::new(Path::new(""), 0));
+        let empty = Topics::new(&self.topics.path, 0);
+        let mut topics = std::mem::replace(self.topics, empty);
         let sql = "SELECT timestamp, data FROM messages WHERE topic_id = ?1 ORDER BY rowid";
         let read = self.each(sql, &[topic], |row| {
             let ValueRef::Blob(message) = row.get_ref(1)? else { return Err(rusqlite::Error::InvalidQuery) };
             Ok(topics.add_message(place, row.get(0)?, message))
         });
-        self.topics = topics;
+        *self.topics = topics;
         read
     }
 
@@ -179,4 +208,18 @@ impl Bag {
 
 fn text(row: &Row<'_>, place: usize) -> rusqlite::Result<String> {
     row.get(place)
+}
+
+/// The definition of a type in a bag.
+struct Definition {
+    kind: String,
+    language: Language,
+    text: String,
+}
+
+/// The schema of a type by its definition, or the forms known here.
+fn schemas(kind: &str, definitions: &[Definition]) -> Vec<Schema> {
+    let of_kind = definitions.iter().filter(|definition| definition.kind == kind && !definition.text.trim().is_empty());
+    let mut schemas = of_kind.filter_map(|d| schema(kind, &d.text, d.language, Encoding::Cdr).ok());
+    schemas.next().map_or_else(|| built_in::schemas(kind), |schema| vec![schema])
 }

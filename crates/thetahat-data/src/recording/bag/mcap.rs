@@ -2,75 +2,88 @@
 //! into memory.
 
 use std::collections::HashMap;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
 
 use mcap::McapError;
-use mcap::records::{Channel, Record, op};
+use mcap::records::{Channel, Record, SchemaHeader, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use super::super::error::RecordingError;
 use super::super::panic_guard::panics_as_damage;
-use super::super::place::{file_length, open, unreadable};
-use super::other_topic::OtherTopic;
-use super::topic::{JOINT_STATE, Topics};
+use super::super::place::{open, unreadable};
+use super::built_in;
+use super::definition::{LONGEST_DEFINITION, Language, schema};
+use super::schema::{Encoding, Schema};
+use super::topics::Topics;
+use super::zstd;
 
 /// Longest record that is read: images and point clouds in a bag are shorter.
 const LONGEST_RECORD: usize = 1 << 26;
 /// Longest name of a topic or a type.
 const LONGEST_NAME: usize = 1024;
-/// Decompressed bytes that any file may contain, and the number for each byte of a larger file.
-const ANY_FILE: u64 = 1 << 30;
-const EXPANSION: u64 = 32;
 
-/// The joint states of a bag: of one topic, or of all.
-pub(super) fn read(path: &Path, topic: Option<&str>) -> Result<Topics, RecordingError> {
-    let length = file_length(path)?;
-    read_from(open(path)?, length, path, topic)
+/// The messages of a bag: of one topic, or of all.
+pub(super) fn read(path: &Path, topic: Option<&str>, topics: &mut Topics) -> Result<(), RecordingError> {
+    if zstd::is_compressed_file(path) {
+        return read_all(zstd::open_file(path)?, zstd::damaged_file, topic, topics);
+    }
+    read_from(open(path)?, topic, topics)
 }
 
-/// The joint states of a bag that is read piece by piece.
-pub(super) fn read_from(
+/// The messages of a bag that is read piece by piece.
+pub(super) fn read_from(input: impl Read, topic: Option<&str>, topics: &mut Topics) -> Result<(), RecordingError> {
+    read_all(input, unreadable, topic, topics)
+}
+
+/// The messages of a bag; `failed` is the error where the input cannot be read.
+fn read_all(
     input: impl Read,
-    length: u64,
-    path: &Path,
+    failed: fn(&Path, io::Error) -> RecordingError,
     topic: Option<&str>,
-) -> Result<Topics, RecordingError> {
-    panics_as_damage(path, "MCAP", || {
-        let left = ANY_FILE.max(length.saturating_mul(EXPANSION));
-        let topics = Topics::new(path, length);
-        Bag { path, topic, left, schemas: HashMap::new(), places: HashMap::new(), topics }.read(input)
+    topics: &mut Topics,
+) -> Result<(), RecordingError> {
+    let path = topics.path.clone();
+    panics_as_damage(&path, "MCAP", || {
+        Bag { path: &path, topic, failed, types: HashMap::new(), places: HashMap::new(), topics }.read(input)
     })
+}
+
+/// The type of messages: its name, and its definition in a known language.
+struct Type {
+    name: String,
+    encoding: String,
+    definition: Vec<u8>,
 }
 
 struct Bag<'a> {
     path: &'a Path,
+    /// The error where the input cannot be read.
+    failed: fn(&Path, io::Error) -> RecordingError,
     /// The topic to read.
     topic: Option<&'a str>,
-    /// Bytes of records still allowed.
-    left: u64,
-    /// Names of types by their numbers.
-    schemas: HashMap<u16, String>,
+    /// Types by their numbers.
+    types: HashMap<u16, Type>,
     /// Indices in the list of topics by channel number: none for channels that are not read.
     places: HashMap<u16, Option<usize>>,
-    topics: Topics,
+    topics: &'a mut Topics,
 }
 
 impl Bag<'_> {
-    fn read(mut self, mut input: impl Read) -> Result<Topics, RecordingError> {
+    fn read(mut self, mut input: impl Read) -> Result<(), RecordingError> {
         let options =
             LinearReaderOptions::default().with_record_length_limit(LONGEST_RECORD).with_validate_chunk_crcs(true);
         let mut reader = LinearReader::new_with_options(options);
         while let Some(event) = reader.next_event() {
             match event.map_err(|e| self.damaged(&e))? {
                 LinearReadEvent::ReadRequest(bytes) => {
-                    let read = input.read(reader.insert(bytes)).map_err(|e| unreadable(self.path, e))?;
+                    let read = input.read(reader.insert(bytes)).map_err(|e| (self.failed)(self.path, e))?;
                     reader.notify_read(read);
                 }
                 LinearReadEvent::Record { opcode, data } => self.add(opcode, data)?,
             }
         }
-        Ok(self.topics)
+        Ok(())
     }
 
     fn damaged(&self, error: &McapError) -> RecordingError {
@@ -78,18 +91,13 @@ impl Bag<'_> {
     }
 
     fn add(&mut self, opcode: u8, data: &[u8]) -> Result<(), RecordingError> {
-        let limit = (ANY_FILE / 8) as usize;
-        self.left = self.left.checked_sub(data.len() as u64 + 9).ok_or_else(|| RecordingError::TooLarge {
-            file: self.path.to_owned(),
-            what: "what its chunks hold".to_owned(),
-            limit,
-        })?;
+        self.topics.count_bytes(data.len() + 9)?;
         if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
             return Ok(());
         }
         let record = mcap::parse_record(opcode, data).map_err(|e| self.damaged(&e))?;
-        if let Record::Schema { header, .. } = record {
-            return self.add_schema(header.id, header.name);
+        if let Record::Schema { header, data } = record {
+            return self.add_type(header, data.into_owned());
         }
         if let Record::Channel(channel) = record {
             return self.add_channel(channel);
@@ -102,9 +110,12 @@ impl Bag<'_> {
         Ok(())
     }
 
-    fn add_schema(&mut self, number: u16, name: String) -> Result<(), RecordingError> {
-        self.check_name(&name)?;
-        self.schemas.insert(number, name);
+    fn add_type(&mut self, header: SchemaHeader, mut definition: Vec<u8>) -> Result<(), RecordingError> {
+        self.check_name(&header.name)?;
+        if definition.len() > LONGEST_DEFINITION || !self.topics.has_room_for(&definition) {
+            definition = Vec::new();
+        }
+        self.types.insert(header.id, Type { name: header.name, encoding: header.encoding, definition });
         Ok(())
     }
 
@@ -113,15 +124,10 @@ impl Bag<'_> {
         if self.places.contains_key(&channel.id) {
             return Ok(());
         }
-        let kind = self.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
-        let place = if kind == JOINT_STATE && channel.message_encoding == "cdr" {
-            let is_asked = self.topic.is_none_or(|topic| topic == channel.topic);
-            let place = self.topics.add_topic(channel.topic);
-            is_asked.then_some(place)
-        } else {
-            self.topics.others.push(OtherTopic { name: channel.topic, kind });
-            None
-        };
+        let of_channel = self.types.get(&channel.schema_id);
+        let schemas = of_channel.map(|kind| kind.schemas(&channel.message_encoding)).unwrap_or_default();
+        let kind = of_channel.map(|kind| kind.name.clone()).unwrap_or_default();
+        let place = self.topics.add_topic(channel.topic, kind, schemas, self.topic);
         self.places.insert(channel.id, place);
         Ok(())
     }
@@ -132,5 +138,24 @@ impl Bag<'_> {
         }
         let reason = format!("the name of a topic or type has {} bytes", name.len());
         Err(RecordingError::damaged(self.path, reason))
+    }
+}
+
+impl Type {
+    /// The schemas of messages in an encoding; none if it cannot be read.
+    fn schemas(&self, message_encoding: &str) -> Vec<Schema> {
+        let encoding = match message_encoding {
+            "cdr" => Encoding::Cdr,
+            "ros1" => Encoding::Ros1,
+            _ => return Vec::new(),
+        };
+        let is_idl = matches!(self.encoding.as_str(), "ros2idl" | "omgidl");
+        let language = if is_idl { Language::Idl } else { Language::Msg };
+        let text = str::from_utf8(&self.definition).unwrap_or_default();
+        match schema(&self.name, text, language, encoding) {
+            Ok(schema) if !text.trim().is_empty() => vec![schema],
+            Ok(_) | Err(_) if encoding == Encoding::Cdr => built_in::schemas(&self.name),
+            Ok(_) | Err(_) => Vec::new(),
+        }
     }
 }

@@ -1,43 +1,44 @@
 //! All columns of a topic.
 
+use std::collections::{HashMap, HashSet};
+
 use super::super::table::{Column, Table};
-use super::topic::{Field, Message, Topic, seconds};
+use super::layouts::{example, groups};
+use super::topic::{Layout, Message, Topic, seconds};
 
 /// A table for each set of joints in the messages, usually one for each publisher.
 pub(super) fn of(topic: &Topic) -> Vec<Table> {
-    let mut sets: Vec<Vec<&String>> = Vec::new();
-    for joints in &topic.joints {
-        let set = sorted(joints);
-        if !sets.contains(&set) {
-            sets.push(set);
-        }
-    }
-    let has_several = sets.len() > 1;
-    sets.iter().map(|set| table(topic, set, has_several)).collect()
+    let groups = groups(topic);
+    groups.iter().map(|group| table(topic, group, &groups)).collect()
 }
 
-fn sorted(joints: &[String]) -> Vec<&String> {
-    let mut sorted: Vec<&String> = joints.iter().collect();
-    sorted.sort();
-    sorted
-}
-
-fn table(topic: &Topic, set: &[&String], is_one_of_several: bool) -> Table {
-    let lists: Vec<bool> = topic.joints.iter().map(|joints| sorted(joints) == set).collect();
-    let messages: Vec<&Message> = topic.messages.iter().filter(|message| lists[message.joints]).collect();
-    let in_first_order = lists.iter().position(|of_set| *of_set).map_or(&[][..], |place| &topic.joints[place]);
-    let prefix = match in_first_order.first() {
-        Some(joint) if is_one_of_several => format!("{joint}."),
+fn table(topic: &Topic, group: &[usize], groups: &[Vec<usize>]) -> Table {
+    let messages: Vec<&Message> = topic.messages.iter().filter(|message| group.contains(&message.layout)).collect();
+    let prefix = match example(topic, group, groups) {
+        Some(joint) if groups.len() > 1 => format!("{joint}."),
         _ => String::new(),
     };
-    let mut columns = vec![
-        time(topic, &messages, format!("{prefix}stamp"), |message| message.stamp_ns),
-        time(topic, &messages, format!("{prefix}log_time"), |message| message.log_time_ns),
-    ];
-    for joint in in_first_order {
-        columns.extend(Field::ALL.iter().filter_map(|field| values(topic, &messages, joint, *field)));
+    let mut columns = Vec::new();
+    if topic.has_stamp() {
+        columns.push(time(topic, &messages, format!("{prefix}stamp"), |message| message.stamp_ns));
     }
+    columns.push(time(topic, &messages, format!("{prefix}log_time"), |message| message.log_time_ns));
+    let places: Vec<HashMap<&str, usize>> = topic.layouts.iter().map(Layout::places).collect();
+    columns.extend(names(topic, group).into_iter().filter_map(|name| values(topic, &messages, &places, name)));
     Table { name: topic.name.clone(), columns }
+}
+
+/// The signals of some layouts; joint by joint, as the first layout names them.
+fn names<'a>(topic: &'a Topic, group: &[usize]) -> Vec<&'a str> {
+    let (mut names, mut known): (Vec<&str>, _) = (Vec::new(), HashSet::new());
+    for &place in group {
+        let layout = &topic.layouts[place];
+        let places: HashMap<&str, usize> = layout.joints().into_iter().zip(1..).collect();
+        let mut columns: Vec<_> = layout.columns.iter().collect();
+        columns.sort_by_key(|column| column.joint.as_deref().map_or(0, |joint| places[joint]));
+        names.extend(columns.iter().map(|column| column.name.as_str()).filter(|name| known.insert(*name)));
+    }
+    names
 }
 
 fn time(topic: &Topic, messages: &[&Message], name: String, of: fn(&Message) -> i64) -> Column {
@@ -46,16 +47,14 @@ fn time(topic: &Topic, messages: &[&Message], name: String, of: fn(&Message) -> 
     Column::of_numbers(name, 1, values)
 }
 
-/// A field of a joint; NaN in messages without it, and none if no message has it.
-fn values(topic: &Topic, messages: &[&Message], joint: &str, field: Field) -> Option<Column> {
-    let value = |message: &&Message| {
-        let place = topic.joints_of(message).iter().position(|known| known == joint)?;
-        topic.value(message, place, field)
-    };
-    let values: Vec<Option<f64>> = messages.iter().map(value).collect();
-    if values.iter().all(Option::is_none) {
+/// A signal; NaN in messages without it, and none if most messages lack it.
+fn values(topic: &Topic, messages: &[&Message], places: &[HashMap<&str, usize>], name: &str) -> Option<Column> {
+    let places: Vec<Option<usize>> = places.iter().map(|of_layout| of_layout.get(name).copied()).collect();
+    let with = messages.iter().filter(|message| places[message.layout].is_some()).count();
+    if 2 * with < messages.len() {
         return None;
     }
-    let values = values.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
-    Some(Column::of_numbers(format!("{joint}.{}", field.name()), 1, values))
+    let value = |message: &&Message| topic.value(message, places[message.layout]?);
+    let values = messages.iter().map(|message| value(message).unwrap_or(f64::NAN)).collect();
+    Some(Column::of_numbers(name.to_owned(), 1, values))
 }

@@ -1,164 +1,229 @@
 //! The messages of a topic.
 
-use std::path::{Path, PathBuf};
+use std::collections::{HashMap, HashSet};
 
-use super::super::budget::Budget;
 use super::super::error::RecordingError;
-use super::cdr::joint_state;
+use super::decode::{Decoded, decode};
 use super::error::BagError;
-use super::other_topic::OtherTopic;
+use super::naming::{Column, columns};
+use super::schema::{Schema, normal};
+use super::shape::{self, Part, Shape};
 
-/// The type of messages that is read.
-pub(super) const JOINT_STATE: &str = "sensor_msgs/msg/JointState";
-/// Different lists of joints that a topic may have.
-const MOST_LISTS: usize = 256;
+/// The type of messages whose lists are checked: one number for each joint, or none.
+pub(super) const JOINT_STATE: &str = "sensor_msgs/JointState";
+/// Largest number of different layouts that a topic may have.
+const MOST_LAYOUTS: usize = 256;
+/// Largest number of bytes that fill a message up to whole words.
+const FILLING: usize = 3;
 
-/// The topics of a bag.
-pub(super) struct Topics {
-    pub(super) path: PathBuf,
-    pub(super) list: Vec<Topic>,
-    /// Topics that are not read.
-    pub(super) others: Vec<OtherTopic>,
-    budget: Budget,
-}
-
-/// A topic of joint states.
+/// A topic with messages that are read.
 pub(super) struct Topic {
     pub(super) name: String,
-    /// The different lists of joints that messages name, in the order in which they appear.
-    pub(super) joints: Vec<Vec<String>>,
+    /// The type of its messages, as the bag states it.
+    pub(super) kind: String,
+    /// The forms that the type may have. Once a message is read, there is one.
+    pub(super) schemas: Vec<Schema>,
+    /// The different sets of signals of its messages, in the order in which they appear.
+    pub(super) layouts: Vec<Layout>,
     pub(super) messages: Vec<Message>,
     values: Vec<f64>,
+    /// Why it cannot be read.
+    pub(super) problem: Option<RecordingError>,
+    /// Number of messages left out because their stamp is zero.
+    pub(super) without_stamp: usize,
 }
 
-/// A message: its list of joints, its times, and the position of its values.
+/// The signals of a message, and the lengths and names that they follow from.
+pub(super) struct Layout {
+    lengths: Vec<usize>,
+    texts: Vec<String>,
+    pub(super) columns: Vec<Column>,
+}
+
+/// A message: its layout, its times, and where its values start.
 #[derive(Clone, Copy)]
 pub(super) struct Message {
-    pub(super) joints: usize,
+    pub(super) layout: usize,
     pub(super) stamp_ns: i64,
     pub(super) log_time_ns: i64,
     start: usize,
-    /// Which of positions, velocities and efforts are present.
-    present: [bool; 3],
-}
-
-/// A quantity that a message holds for a joint.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Field {
-    Position,
-    Velocity,
-    Effort,
-}
-
-impl Field {
-    pub(super) const ALL: [Self; 3] = [Self::Position, Self::Velocity, Self::Effort];
-
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Position => "position",
-            Self::Velocity => "velocity",
-            Self::Effort => "effort",
-        }
-    }
-}
-
-impl Topics {
-    pub(super) fn new(path: &Path, file_bytes: u64) -> Self {
-        let budget = Budget::of(path, file_bytes);
-        Self { path: path.to_owned(), list: Vec::new(), others: Vec::new(), budget }
-    }
-
-    /// Adds a topic without messages and returns its index.
-    pub(super) fn add_topic(&mut self, name: String) -> usize {
-        if let Some(place) = self.list.iter().position(|topic| topic.name == name) {
-            return place;
-        }
-        self.list.push(Topic { name, joints: Vec::new(), messages: Vec::new(), values: Vec::new() });
-        self.list.len() - 1
-    }
-
-    /// Adds a message to the topic at an index.
-    pub(super) fn add_message(&mut self, place: usize, log_time_ns: i64, message: &[u8]) -> Result<(), RecordingError> {
-        // A message takes as much memory as five values, in addition to its own values.
-        self.budget.take("its messages", &[5])?;
-        match self.list[place].add(log_time_ns, message) {
-            Ok(values) => self.budget.take("its messages", &[values]).map(|_| ()),
-            Err(reason) => Err(self.bad_message(place, reason)),
-        }
-    }
-
-    fn bad_message(&self, place: usize, reason: String) -> RecordingError {
-        let topic = &self.list[place];
-        let (name, message) = (topic.name.clone(), topic.messages.len() + 1);
-        self.refuse(BagError::BadMessage { topic: name, message, reason })
-    }
-
-    /// Messages in the order in which they were recorded.
-    pub(super) fn in_order_of_time(mut self) -> Self {
-        for topic in &mut self.list {
-            topic.messages.sort_by_key(|message| message.log_time_ns);
-        }
-        self
-    }
-
-    pub(super) fn refuse(&self, problem: BagError) -> RecordingError {
-        RecordingError::Bag { file: self.path.clone(), problem: Box::new(problem) }
-    }
-
-    /// The topic of a given name, or the only one with joint states.
-    pub(super) fn topic(&self, name: Option<&str>) -> Result<&Topic, RecordingError> {
-        let found: Vec<String> = self.list.iter().map(|topic| topic.name.clone()).collect();
-        let others = || self.others.iter().map(|other| format!("{} ({})", other.name, other.kind)).collect();
-        match (name, self.list.as_slice()) {
-            (_, []) => Err(self.refuse(BagError::NoJointStates { found: others() })),
-            (None, [only]) => Ok(only),
-            (None, _) => Err(self.refuse(BagError::UnclearTopic { found })),
-            (Some(name), topics) => topics
-                .iter()
-                .find(|topic| topic.name == name)
-                .ok_or_else(|| self.refuse(BagError::MissingTopic { topic: name.to_owned(), found })),
-        }
-    }
 }
 
 impl Topic {
-    /// Adds a message and returns the number of its values.
-    fn add(&mut self, log_time_ns: i64, message: &[u8]) -> Result<usize, String> {
-        let state = joint_state(message)?;
-        let joints = self.list_of_joints(&state.names)?;
+    pub(super) fn new(name: String, kind: String, schemas: Vec<Schema>) -> Self {
+        Self {
+            name,
+            kind,
+            schemas,
+            layouts: Vec::new(),
+            messages: Vec::new(),
+            values: Vec::new(),
+            problem: None,
+            without_stamp: 0,
+        }
+    }
+
+    pub(super) fn is_joint_state(&self) -> bool {
+        normal(&self.kind) == JOINT_STATE
+    }
+
+    /// Whether its messages name joints.
+    pub(super) fn has_joints(&self) -> bool {
+        self.layouts.iter().flat_map(|layout| &layout.columns).any(|column| column.joint.is_some())
+    }
+
+    /// Whether its messages hold numbers.
+    pub(super) fn has_signals(&self) -> bool {
+        self.layouts.iter().any(|layout| !layout.columns.is_empty())
+    }
+
+    /// Number of signals of its first message.
+    pub(super) fn count(&self) -> usize {
+        self.layouts.first().map_or(0, |layout| layout.columns.len())
+    }
+
+    /// Whether its messages hold a field of joints.
+    pub(super) fn has_field(&self, field: &str) -> bool {
+        self.layouts.iter().flat_map(|layout| &layout.columns).any(|column| column.field == field)
+    }
+
+    /// Whether its messages state their time.
+    pub(super) fn has_stamp(&self) -> bool {
+        self.schemas.first().is_some_and(Schema::has_stamp)
+    }
+
+    /// Leaves the topic out, with all that was read of it.
+    pub(super) fn give_up(&mut self, problem: RecordingError) {
+        (self.layouts, self.messages, self.values) = (Vec::new(), Vec::new(), Vec::new());
+        self.problem = Some(problem);
+    }
+
+    /// Adds a message and returns the number of values that take as much memory.
+    pub(super) fn add(&mut self, log_time_ns: i64, message: &[u8]) -> Result<usize, String> {
+        self.choose_form(message);
+        let is_joint_state = self.is_joint_state();
+        let Some(schema) = self.schemas.first() else { return Err("its type is not known".to_owned()) };
+        let decoded = decode(schema, message)?;
+        let known = self.layouts.len();
+        let layout = match self.layouts.iter().position(|layout| layout.is_of(&decoded)) {
+            Some(layout) => layout,
+            None if self.layouts.len() == MOST_LAYOUTS => {
+                return Err(format!("it is the {}th message of other signals than all before", MOST_LAYOUTS + 1));
+            }
+            None => {
+                let shape = shape::of(schema, &decoded);
+                if is_joint_state {
+                    check_joint_state(&shape)?;
+                }
+                self.layouts.push(Layout::of(&decoded, columns(&shape)));
+                self.layouts.len() - 1
+            }
+        };
+        let size = if self.layouts.len() > known { self.layouts[layout].size() } else { 0 };
         let start = self.values.len();
-        let present = state.fields.each_ref().map(|field| !field.is_empty());
-        state.fields.iter().for_each(|field| self.values.extend(field));
-        self.messages.push(Message { joints, stamp_ns: state.stamp_ns, log_time_ns, start, present });
-        Ok(self.values.len() - start)
+        self.values.extend(&decoded.values);
+        self.messages.push(Message { layout, stamp_ns: decoded.stamp_ns.unwrap_or(log_time_ns), log_time_ns, start });
+        Ok(decoded.values.len() + size)
     }
 
-    fn list_of_joints(&mut self, names: &[&str]) -> Result<usize, String> {
-        if let Some(place) = self.joints.iter().position(|list| list == names) {
-            return Ok(place);
+    /// Keeps the first form of the type that takes all bytes of a message.
+    fn choose_form(&mut self, message: &[u8]) {
+        if self.schemas.len() < 2 {
+            return;
         }
-        if self.joints.len() == MOST_LISTS {
-            return Err(format!("it is the {}th message of other joints than all before", MOST_LISTS + 1));
+        let takes_all = |schema: &Schema| decode(schema, message).is_ok_and(|decoded| decoded.left <= FILLING);
+        let form = self.schemas.iter().position(takes_all).unwrap_or(0);
+        self.schemas = vec![self.schemas.swap_remove(form)];
+    }
+
+    pub(super) fn columns_of(&self, message: &Message) -> &[Column] {
+        &self.layouts[message.layout].columns
+    }
+
+    /// The value of a column of the message's layout.
+    pub(super) fn value(&self, message: &Message, column: usize) -> Option<f64> {
+        self.values.get(message.start + column).copied()
+    }
+
+    /// Sorts messages by the time at which they were recorded, and leaves out those before a simulated clock ran.
+    pub(super) fn put_in_order(&mut self) {
+        self.messages.sort_by_key(|message| message.log_time_ns);
+        if self.has_stamp() {
+            self.without_stamp = before_the_clock(&self.messages);
+            self.messages.drain(..self.without_stamp);
         }
-        self.joints.push(names.iter().map(|&name| name.to_owned()).collect());
-        Ok(self.joints.len() - 1)
+    }
+}
+
+/// Number of messages at the beginning whose stamp is zero: several, or one long before the next. A single one soon before the next is the
+/// start of a clock at zero.
+fn before_the_clock(messages: &[Message]) -> usize {
+    const LONG_NS: i64 = 1_000_000_000;
+    let zeros = messages.iter().take_while(|message| message.stamp_ns == 0).count();
+    match (zeros, messages.get(zeros)) {
+        (_, None) => 0,
+        (1, Some(next)) if next.stamp_ns < LONG_NS => 0,
+        (zeros, Some(_)) => zeros,
+    }
+}
+
+impl Layout {
+    fn of(decoded: &Decoded<'_>, columns: Vec<Column>) -> Self {
+        let texts = decoded.texts.iter().map(|&text| text.to_owned()).collect();
+        Self { lengths: decoded.lengths.clone(), texts, columns }
     }
 
-    /// The joints of a message.
-    pub(super) fn joints_of(&self, message: &Message) -> &[String] {
-        &self.joints[message.joints]
+    fn is_of(&self, decoded: &Decoded<'_>) -> bool {
+        self.lengths == decoded.lengths && self.texts == decoded.texts
     }
 
-    /// A value of the joint at an index of the message's list, if present.
-    pub(super) fn value(&self, message: &Message, joint: usize, field: Field) -> Option<f64> {
-        let field = field as usize;
-        let before = message.present[..field].iter().filter(|present| **present).count();
-        let place = message.start + before * self.joints[message.joints].len() + joint;
-        if message.present[field] { self.values.get(place).copied() } else { None }
+    /// The number of values that take as much memory.
+    fn size(&self) -> usize {
+        const COLUMN: usize = 128;
+        let names = self.columns.iter().map(|column| COLUMN + 2 * column.name.len() + column.field.len());
+        let texts = self.texts.iter().map(|text| size_of::<String>() + text.len());
+        names.chain(texts).sum::<usize>() / 8 + self.lengths.len()
     }
+
+    /// The place of each column by its name.
+    pub(super) fn places(&self) -> HashMap<&str, usize> {
+        self.columns.iter().enumerate().map(|(place, column)| (column.name.as_str(), place)).collect()
+    }
+
+    /// The joints in the order in which the message names them, each once.
+    pub(super) fn joints(&self) -> Vec<&str> {
+        let mut known = HashSet::new();
+        self.columns.iter().filter_map(|column| column.joint.as_deref()).filter(|joint| known.insert(*joint)).collect()
+    }
+}
+
+/// Checks that joint states name each joint once and hold one number for each, or none. Without names, numbers stand for them.
+fn check_joint_state(message: &[Part<'_>]) -> Result<(), String> {
+    let names = message.iter().find_map(|part| if let Shape::Texts(names) = &part.shape { Some(names) } else { None });
+    let Some(names) = names.filter(|names| !names.is_empty()) else { return Ok(()) };
+    if let Some(i) = (1..names.len()).find(|&i| names[..i].contains(&names[i])) {
+        return Err(format!("joint {:?} is named twice", names[i]));
+    }
+    for part in message {
+        if let Shape::Numbers(found) = part.shape
+            && found != 0
+            && found != names.len()
+        {
+            let expected = names.len();
+            return Err(format!("expected {expected} numbers of {}, one for each joint, found {found}", part.name));
+        }
+    }
+    Ok(())
 }
 
 /// The difference of two times in nanoseconds, in seconds.
 pub(super) fn seconds(time_ns: i64, first_ns: i64) -> f64 {
     (i128::from(time_ns) - i128::from(first_ns)) as f64 * 1e-9
+}
+
+impl BagError {
+    /// What is wrong with the message after those that were read.
+    pub(super) fn of_message(topic: &Topic, reason: String) -> Self {
+        Self::BadMessage { topic: topic.name.clone(), message: topic.messages.len() + 1, reason }
+    }
 }

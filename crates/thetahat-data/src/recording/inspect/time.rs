@@ -67,6 +67,11 @@ pub(super) fn is_named(name: &str) -> bool {
     is_word_of_time(last('.')) || is_word_of_time(last('/'))
 }
 
+/// Whether a column is the time of messages, and not a number in them.
+fn is_of_message(name: &str) -> bool {
+    matches!(name.rsplit('.').next(), Some("stamp" | "log_time"))
+}
+
 fn is_word_of_time(name: &str) -> bool {
     const WORDS: [&str; 10] =
         ["t", "time", "times", "stamp", "stamps", "timestamp", "timestamps", "clock", "zeit", "zeitstempel"];
@@ -87,7 +92,7 @@ fn time(column: &Column, in_seconds: bool, is_named: bool) -> Option<TimeSummary
     if !is_named && !is_even {
         return None;
     }
-    let unit = if in_seconds { Unit::Second } else { unit(&column.name, step) };
+    let unit = if in_seconds && is_of_message(&column.name) { Unit::Second } else { unit(&column.name, step) };
     Some(TimeSummary {
         column: column.name.clone(),
         is_named,

@@ -1,136 +1,15 @@
-use std::collections::BTreeMap;
 use std::fs;
-use std::io::Cursor;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use ::mcap::records::MessageHeader;
-use ::mcap::{Compression, WriteOptions};
+use ::mcap::Compression;
 use rusqlite::Connection;
 
-use super::super::{Format, RecordingError};
-use super::cdr::joint_state;
-use super::*;
-use thetahat_ground::series::Series;
+use super::super::super::{Format, RecordingError};
+use super::super::decode::decode;
+use super::super::topics::Topics;
+use super::super::{BagError, OtherTopic, built_in, channels, fuzz_db3, fuzz_mcap, tables};
+use super::written::*;
 use thetahat_testing::Folder;
-
-const START_S: i32 = 1_700_000_000;
-
-/// The bytes of a message, in the order of bytes of `number`.
-struct Message {
-    bytes: Vec<u8>,
-    big: bool,
-}
-
-impl Message {
-    fn align(&mut self, size: usize) {
-        let end = 4 + (self.bytes.len() - 4).next_multiple_of(size);
-        self.bytes.resize(end, 0);
-    }
-
-    fn word(&mut self, word: u32) {
-        self.align(4);
-        self.bytes.extend(if self.big { word.to_be_bytes() } else { word.to_le_bytes() });
-    }
-
-    fn text(&mut self, text: &str) {
-        self.word(text.len() as u32 + 1);
-        self.bytes.extend(text.bytes().chain([0]));
-    }
-
-    fn numbers(&mut self, numbers: &[f64]) {
-        self.word(numbers.len() as u32);
-        for number in numbers {
-            self.align(8);
-            self.bytes.extend(if self.big { number.to_be_bytes() } else { number.to_le_bytes() });
-        }
-    }
-}
-
-/// Joint states at a time in nanoseconds from the start.
-fn message(big: bool, time_ns: u32, joints: &[&str], fields: [&[f64]; 3]) -> Vec<u8> {
-    let mut message = Message { bytes: vec![0, u8::from(!big), 0, 0], big };
-    message.word(START_S.cast_unsigned());
-    message.word(time_ns);
-    message.text("base");
-    message.word(joints.len() as u32);
-    joints.iter().for_each(|joint| message.text(joint));
-    fields.iter().for_each(|field| message.numbers(field));
-    message.bytes
-}
-
-fn states(time_ns: u32, joints: &[&str], position: &[f64]) -> Vec<u8> {
-    message(false, time_ns, joints, [position, position, &[]])
-}
-
-/// Three messages, of which the second names its joints in another order.
-fn arm() -> Vec<Vec<u8>> {
-    vec![
-        states(1, &["shoulder", "elbow"], &[1.0, 2.0]),
-        states(8_000_001, &["elbow", "shoulder"], &[4.0, 3.0]),
-        states(16_000_002, &["shoulder", "elbow"], &[5.0, 6.0]),
-    ]
-}
-
-const TOPIC: &str = "/joint_states";
-
-/// A bag in SQLite with these messages.
-fn db3(messages: &[(&str, Vec<u8>)]) -> (Folder, PathBuf) {
-    let folder = Folder::with("notes.txt", b"");
-    let path = folder.path().join("bag #1.db3");
-    let connection = Connection::open(&path).unwrap();
-    let tables = "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL,
-            serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL);
-        CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL,
-            data BLOB NOT NULL);
-        INSERT INTO topics VALUES (100, '/rosout', 'rcl_interfaces/msg/Log', 'cdr', '');";
-    connection.execute_batch(tables).unwrap();
-    for (time, (topic, data)) in messages.iter().enumerate() {
-        let insert = "INSERT INTO topics SELECT NULL, ?1, 'sensor_msgs/msg/JointState', 'cdr', ''
-            WHERE NOT EXISTS (SELECT 1 FROM topics WHERE name = ?1)";
-        connection.execute(insert, [topic]).unwrap();
-        let insert = "INSERT INTO messages SELECT NULL, id, ?2, ?3 FROM topics WHERE name = ?1";
-        connection.execute(insert, (topic, 1_700_000_000_000_000_000 + 8_000_000 * time as i64, data)).unwrap();
-    }
-    (folder, path)
-}
-
-/// A bag in MCAP with these messages, of which the first is written last.
-fn mcap(messages: &[(&str, Vec<u8>)], compression: Option<Compression>) -> Vec<u8> {
-    let mut bytes = Cursor::new(Vec::new());
-    let mut writer = WriteOptions::new().compression(compression).create(&mut bytes).unwrap();
-    let schema = writer.add_schema("sensor_msgs/msg/JointState", "ros2msg", b"").unwrap();
-    let other = writer.add_schema("rcl_interfaces/msg/Log", "ros2msg", b"").unwrap();
-    writer.add_channel(other, "/rosout", "cdr", &BTreeMap::new()).unwrap();
-    let mut order: Vec<usize> = (0..messages.len()).collect();
-    order.rotate_left(1);
-    for number in order {
-        let (topic, data) = &messages[number];
-        let channel_id = writer.add_channel(schema, topic, "cdr", &BTreeMap::new()).unwrap();
-        let log_time = 1_700_000_000_000_000_000 + 8_000_000 * number as u64;
-        let header = MessageHeader { channel_id, sequence: number as u32, log_time, publish_time: log_time };
-        writer.write_to_known_channel(&header, data).unwrap();
-    }
-    writer.finish().unwrap();
-    drop(writer);
-    bytes.into_inner()
-}
-
-fn on_topic(messages: Vec<Vec<u8>>) -> Vec<(&'static str, Vec<u8>)> {
-    messages.into_iter().map(|message| (TOPIC, message)).collect()
-}
-
-fn loaded(messages: &[(&str, Vec<u8>)], topic: Option<&str>, columns: &[&str]) -> Result<Series, RecordingError> {
-    let (_folder, path) = db3(messages);
-    let columns: Vec<String> = columns.iter().map(|&c| c.to_owned()).collect();
-    channels(&path, Format::Db3, topic, &columns)
-}
-
-fn problem(messages: &[(&str, Vec<u8>)], topic: Option<&str>, columns: &[&str]) -> BagError {
-    match loaded(messages, topic, columns) {
-        Err(RecordingError::Bag { problem, .. }) => *problem,
-        other => panic!("{other:?}"),
-    }
-}
 
 #[test]
 fn joints_are_found_by_name_in_every_message() {
@@ -163,26 +42,28 @@ fn bag_in_mcap_says_the_same_as_in_sqlite() {
 fn both_orders_of_bytes() {
     let fields: [&[f64]; 3] = [&[1.0, 2.0], &[], &[3.0, 4.0]];
     let (little, big) = (message(false, 5, &["a", "bc"], fields), message(true, 5, &["a", "bc"], fields));
-    let state = joint_state(&little).unwrap();
-    assert_eq!(state, joint_state(&big).unwrap());
+    let schema = built_in::schemas("sensor_msgs/msg/JointState").remove(0);
+    let state = decode(&schema, &little).unwrap();
+    assert_eq!(state, decode(&schema, &big).unwrap());
+    assert_eq!(state.stamp_ns, Some(i64::from(START_S) * 1_000_000_000 + 5));
     assert_eq!(
-        (state.stamp_ns, state.names.as_slice()),
-        (i64::from(START_S) * 1_000_000_000 + 5, ["a", "bc"].as_slice())
+        (state.texts.as_slice(), state.values.as_slice()),
+        (["a", "bc"].as_slice(), [1.0, 2.0, 3.0, 4.0].as_slice())
     );
-    assert_eq!(state.fields, [vec![1.0, 2.0], vec![], vec![3.0, 4.0]]);
 }
 
 #[test]
 fn message_cut_short_or_damaged_never_panics() {
     let whole = message(false, 5, &["a", "bc"], [&[1.0, 2.0], &[], &[3.0, 4.0]]);
+    let schema = built_in::schemas("sensor_msgs/msg/JointState").remove(0);
     for length in 0..whole.len() {
-        assert!(joint_state(&whole[..length]).is_err(), "{length}");
+        assert!(decode(&schema, &whole[..length]).is_err(), "{length}");
     }
     for place in 0..whole.len() {
         for damage in 0..=255 {
             let mut bytes = whole.clone();
             bytes[place] = damage;
-            let _ = joint_state(&bytes);
+            let _ = decode(&schema, &bytes);
         }
     }
 }
@@ -199,17 +80,30 @@ fn messages_of_other_publishers_are_passed_over() {
 }
 
 #[test]
-fn joint_that_one_message_lacks() {
+fn message_that_lacks_a_joint_is_left_out_of_all_signals() {
     let mut messages = on_topic(arm());
     messages.push((TOPIC, states(9, &["shoulder"], &[0.1])));
-    let problem = problem(&messages, None, &["shoulder.position", "elbow.position"]);
-    assert!(matches!(problem, BagError::MissingJoint { message: 4, joint, .. } if joint == "elbow"));
+    for columns in [["shoulder.position"], ["elbow.position"], ["stamp"], ["log_time"], ["shoulder.log_time"]] {
+        assert_eq!(loaded(&messages, None, &columns).unwrap().len(), 3, "{columns:?}");
+    }
+}
+
+#[test]
+fn joints_of_different_messages() {
+    let mut messages = on_topic(arm());
+    messages.insert(1, (TOPIC, states(9, &["gripper"], &[0.1])));
+    let problem = problem(&messages, None, &["shoulder.position", "gripper.position"]);
+    assert!(
+        matches!(&problem, BagError::InDifferentMessages { column, present, .. }
+            if column == "gripper.position" && present == "shoulder.position"),
+        "{problem}"
+    );
 }
 
 #[test]
 fn field_that_no_message_has() {
-    let problem = problem(&on_topic(arm()), None, &["elbow.effort"]);
-    assert!(matches!(problem, BagError::MissingField { message: 1, field: "effort", .. }));
+    let error = loaded(&on_topic(arm()), None, &["elbow.effort"]).unwrap_err();
+    assert!(matches!(error, RecordingError::MissingColumn { column, .. } if column == "elbow.effort"));
 }
 
 #[test]
@@ -243,7 +137,7 @@ fn topic_is_named_where_there_are_several() {
 #[test]
 fn bag_without_joint_states() {
     let problem = problem(&[], None, &["elbow.position"]);
-    assert!(matches!(problem, BagError::NoJointStates { found } if found == ["/rosout (rcl_interfaces/msg/Log)"]));
+    assert!(matches!(problem, BagError::NoTopic { found } if found == ["/rosout (rcl_interfaces/msg/Log)"]));
 }
 
 #[test]
@@ -262,8 +156,11 @@ fn joint_named_twice() {
 #[test]
 fn position_that_is_nan() {
     let messages = on_topic(vec![states(0, &["elbow"], &[f64::NAN])]);
-    let error = loaded(&messages, None, &["elbow.position"]).unwrap_err();
-    assert!(matches!(error, RecordingError::NotFiniteSample { sample: 0, .. }));
+    let problem = problem(&messages, None, &["elbow.position"]);
+    assert!(matches!(&problem, BagError::NotFinite { sample: 0, joint: Some(joint), .. } if joint == "elbow"));
+    let expected = "topic \"/joint_states\", column \"elbow.position\": none of its 1 samples is a finite number below 1e30, \
+        the first is NaN; lock joint \"elbow\" (`[locked]`), leave it out, or name another column";
+    assert_eq!(problem.to_string(), expected);
 }
 
 /// The error for a bag whose schema was changed.
@@ -321,8 +218,9 @@ fn other_files() {
 fn mcap_cut_short() {
     let whole = mcap(&on_topic(arm()), Some(Compression::Zstd));
     for length in 1..whole.len() {
-        let result = mcap::read_from(&whole[..length], length as u64, Path::new("bag.mcap"), None);
-        assert!(matches!(result.err(), Some(RecordingError::Damaged { .. })), "{length}");
+        let mut topics = Topics::new(Path::new("bag.mcap"), length as u64);
+        let error = super::super::mcap::read_from(&whole[..length], None, &mut topics).err();
+        assert!(matches!(error, Some(RecordingError::Damaged { .. })), "{length}");
     }
 }
 
