@@ -41,14 +41,24 @@ impl Kind {
 
 /// Bytes that are examined: enough to recognise a description.
 const BEGINNING: usize = 1 << 18;
-/// The first bytes of binary recordings: NumPy, zip, MAT of both versions, Parquet, SQLite, MCAP.
-const BINARY: [&[u8]; 7] =
-    [b"\x93NUMPY", b"PK\x03\x04", b"MATLAB ", b"\x89HDF", b"PAR1", b"SQLite format 3\0", b"\x89MCAP"];
+/// The first bytes of binary recordings: NumPy, zip, MAT of both versions and HDF5, Parquet, SQLite, MCAP, ROS 1 bags, Zstandard.
+const BINARY: [&[u8]; 9] = [
+    b"\x93NUMPY",
+    b"PK\x03\x04",
+    b"MATLAB ",
+    b"\x89HDF",
+    b"PAR1",
+    b"SQLite format 3\0",
+    b"\x89MCAP",
+    b"#ROSBAG V2.0",
+    b"\x28\xb5\x2f\xfd",
+];
 
 /// The kind of a text, if its content shows it.
 fn of_text(text: &str) -> Option<Kind> {
     if text.starts_with('<') {
-        return Some(if text.contains("<robot") { Kind::Robot } else { Kind::Unknown });
+        let is_robot = ["<robot", "<mujoco"].iter().any(|root| text.contains(root));
+        return Some(if is_robot { Kind::Robot } else { Kind::Unknown });
     }
     if text.starts_with('{') {
         return Some(if text.contains("\"thetahat\"") { Kind::Results } else { Kind::Unknown });
@@ -85,6 +95,7 @@ mod tests {
     fn texts_are_recognised() {
         for (text, expected) in [
             ("<?xml version=\"1.0\"?>\n<robot name=\"arm\"/>", Some(Kind::Robot)),
+            ("<mujoco model=\"arm\"></mujoco>", Some(Kind::Robot)),
             ("<html></html>", Some(Kind::Unknown)),
             ("# arm\nname = \"arm\"\n[[joint]]  # the first\nname = \"a\"", Some(Kind::Robot)),
             ("urdf = \"arm.urdf\"", Some(Kind::Robot)),

@@ -9,7 +9,7 @@ import { count, size } from "../words";
 import type { View } from "./Page";
 
 const ROBOTS = ".urdf,.xml,.toml";
-const LOGS = ".csv,.tsv,.txt,.dat,.npy,.npz,.mat,.parquet,.db3,.mcap,.toml";
+const LOGS = ".csv,.tsv,.txt,.dat,.npy,.npz,.mat,.h5,.hdf5,.parquet,.db3,.mcap,.bag,.zst,.zstd,.toml";
 
 const KINDS: Record<Kind, string> = {
   robot: "robot",

@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use super::super::column_names::{self, Reading};
-use thetahat_data::recording::{ChannelSummary, ColumnSummary, Contents, Format, TableSummary};
+use thetahat_data::recording::{ChannelSummary, ColumnSummary, Contents, TableSummary};
 
 /// A column, or one channel of it, as the experiment is to name it.
 #[derive(Debug, Clone)]
@@ -75,9 +75,9 @@ impl<'a> Source<'a> {
         folder.unwrap_or_default().to_string_lossy().into_owned()
     }
 
-    /// Whether its messages are of `sensor_msgs/JointState`, which fixes their units.
+    /// Whether it holds messages of ROS, whose units are those of SI (REP 103).
     pub(super) fn is_bag(&self) -> bool {
-        matches!(self.contents.format, Format::Db3 | Format::Mcap)
+        self.contents.format.is_bag()
     }
 
     /// Whether its last line is cut.

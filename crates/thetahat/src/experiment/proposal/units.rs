@@ -135,7 +135,7 @@ impl Units<'_, '_> {
                  the torque per {unit} of each column",
                 if unit == Unit::Volt { "a voltage" } else { "a current" }
             ),
-            None if self.source.is_bag() => "as JointState has it".to_owned(),
+            None if self.source.is_bag() => "as ROS has it (REP 103)".to_owned(),
             None => "a guess: the log does not say".to_owned(),
         }
     }
@@ -175,7 +175,7 @@ impl Units<'_, '_> {
         if self.kinds().iter().all(|kind| *kind == JointKind::Prismatic) {
             joint(Unit::Metre, "a guess: linear joints")
         } else if self.source.is_bag() {
-            joint(Unit::Radian, "as JointState has it")
+            joint(Unit::Radian, "as ROS has it (REP 103)")
         } else if largest > LARGEST_ANGLE && self.fits_after_the_gears(columns) {
             let why = "a guess: too large for angles of joints in rad, but in range for angles of motors";
             Measured::new(self.each(Unit::Radian), Side::Motor, why)
