@@ -14,6 +14,16 @@ pub enum RobotError {
         /// The system's error.
         reason: String,
     },
+    /// The bytes of the file are not text.
+    #[error("{}, line {line}: the robot description is not text in {encoding}; save it as UTF-8", path.display())]
+    Encoding {
+        /// The file.
+        path: PathBuf,
+        /// The first line that cannot be read.
+        line: usize,
+        /// The encoding that the file states, otherwise UTF-8.
+        encoding: String,
+    },
     /// The file is not TOML of the expected form; the message names line and column.
     #[error("{}: {message}", path.display())]
     Syntax {

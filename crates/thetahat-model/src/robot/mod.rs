@@ -17,6 +17,7 @@
 
 mod body;
 mod description;
+mod encoding;
 mod error;
 mod joint;
 mod locking;
@@ -33,7 +34,7 @@ mod urdf;
 
 #[doc(hidden)]
 pub use body::{Frame, RigidBody};
-pub use description::{Doubt, Robot};
+pub use description::{Doubt, DoubtGrade, Robot};
 pub use error::RobotError;
 pub use joint::{DenavitHartenberg, Joint, JointKind, Limits, Mimic, Placement};
 #[doc(hidden)]

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     description::Robot,
+    encoding::{self, NotText},
     error::RobotError,
     locking::{Locks, LocksOf, merged, resolve_all},
     toml_file, urdf,
@@ -179,14 +180,17 @@ fn is_xml(text: &str) -> bool {
 #[doc(hidden)]
 pub fn read_text(path: &Path) -> Result<String, RobotError> {
     let unreadable = |e: std::io::Error| RobotError::Unreadable { path: path.to_owned(), reason: e.to_string() };
-    let mut text = String::new();
-    files::open(path).and_then(|file| file.take(LONGEST + 1).read_to_string(&mut text)).map_err(unreadable)?;
-    if text.len() as u64 > LONGEST {
+    let mut bytes = Vec::new();
+    files::open(path).and_then(|file| file.take(LONGEST + 1).read_to_end(&mut bytes)).map_err(unreadable)?;
+    if bytes.len() as u64 > LONGEST {
         return Err(RobotError::TooLarge {
             path: path.to_owned(),
             what: "MiB of text",
             limit: (LONGEST >> 20) as usize,
         });
     }
-    Ok(text)
+    encoding::decoded(bytes).map_err(|NotText { line, encoding }| {
+        let path = path.to_owned();
+        RobotError::Encoding { path, line, encoding }
+    })
 }

@@ -75,9 +75,13 @@ pub(super) fn robot<'a>(document: &'a Document<'a>, path: &'a Path) -> Result<El
     let mut parts = 0;
     for child in root.elements() {
         child.check_expanded()?;
-        if matches!(child.tag(), "link" | "joint" | "transmission") {
-            parts += 1;
-            child.descendants().try_for_each(|element| element.check_expanded())?;
+        match child.tag() {
+            "link" | "joint" | "transmission" => {
+                parts += 1;
+                child.descendants().try_for_each(|element| element.check_expanded())?;
+            }
+            "ros2_control" => parts += child.elements().filter(|e| e.tag() == "transmission").count(),
+            _ => {}
         }
     }
     if parts > MOST_PARTS {
