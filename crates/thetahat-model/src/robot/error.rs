@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use super::{locking::LockError, terms::TermError, urdf::UrdfError};
+use super::{locking::LockError, terms::TermError, urdf::UrdfError, xacro::XacroError};
 
 /// Why a robot description cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -79,6 +79,9 @@ pub enum RobotError {
     /// A URDF that cannot be used.
     #[error(transparent)]
     Urdf(#[from] UrdfError),
+    /// A xacro that cannot be expanded.
+    #[error(transparent)]
+    Xacro(Box<XacroError>),
     /// Joints that cannot be locked.
     #[error("{}: {source}", path.display())]
     Lock {
@@ -137,6 +140,12 @@ pub enum RobotError {
         /// The names of the first joint.
         known: Vec<String>,
     },
+}
+
+impl From<XacroError> for RobotError {
+    fn from(error: XacroError) -> Self {
+        Self::Xacro(Box::new(error))
+    }
 }
 
 impl RobotError {

@@ -1,0 +1,34 @@
+//! Xacro, the macro language in which URDF is written, expanded without an installation of ROS.
+//!
+//! Read are properties (value, default, block, scope, remove), `${expressions}` of Python (arithmetic, comparisons, `and or
+//! not`, `a if b else c`, texts, lists, dictionaries, indices and slices, the functions of `math` and the common built-in
+//! ones), `$(arg)`, `$(find)`, `$(dirname)` and `$(optenv)` with a default, macros with parameters, defaults and blocks,
+//! `include` with `ns` and `optional`, `if` and `unless`, `insert_block`, `element`, `attribute`, `call` and `load_yaml`. The
+//! environment is not read. An expansion reads the file's own package (without one: its folder and the one above), packages
+//! named by [`XacroOptions`], and packages with a `package.xml` in and beside the folders above the file.
+
+mod definitions;
+mod error;
+mod evaluation;
+mod expansion;
+mod folders;
+mod functions;
+mod macros;
+mod methods;
+mod operators;
+mod options;
+mod scope;
+mod state;
+mod substitution;
+mod syntax;
+mod tokens;
+mod tree;
+mod value;
+mod yaml;
+
+pub use error::{ExpressionError, XacroError, XacroProblem};
+pub use expansion::{ExpandedXacro, expand_xacro};
+pub use options::XacroOptions;
+
+#[cfg(test)]
+mod tests;
