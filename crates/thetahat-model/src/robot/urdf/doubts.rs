@@ -44,47 +44,45 @@ fn of_link(link: Element<'_>, moved: Option<&RigidBody>) -> Result<Option<Doubt>
 
 /// Why the mass of a link is in doubt.
 fn of_mass(place: &str, body: &RigidBody, moved: Option<&RigidBody>) -> Option<Doubt> {
-    let doubt = |what: String, value, remedy| {
+    let impossible = |what: String, value, remedy| {
         Some(Doubt { grade: DoubtGrade::Impossible, place: place.to_owned(), what, value, unit: "kg", remedy })
     };
     if body.m < 0.0 {
         let remedy = "give the mass of the link; it is the start of iterations and what estimates are compared with";
-        return doubt(format!("a mass of {} kg, below zero", body.m), body.m, remedy);
+        return impossible(format!("a mass of {} kg, below zero", body.m), body.m, remedy);
     }
     if body.m == 0.0 && largest_inertia(body) > 0.0 {
-        return doubt("inertia without a mass".to_owned(), 0.0, "give the mass, or leave out the <inertial>");
+        return impossible("inertia without a mass".to_owned(), 0.0, "give the mass, or leave out the <inertial>");
     }
     if body.m == 0.0 && moved.is_some_and(|moved| moved.m == 0.0) {
         let what = "a mass of 0 kg for a link that a joint moves, with all that is fixed to it".to_owned();
-        return doubt(what, 0.0, "give the mass, or leave out the <inertial> of a link whose mass is unknown");
+        let remedy = "give the mass, or leave out the <inertial> of a link whose mass is unknown";
+        return Some(Doubt::note(place.to_owned(), what, remedy));
     }
     None
 }
 
 /// Why the inertia of a link is in doubt. A point mass that is fixed to another link is how loads are given.
 fn of_inertia(place: &str, body: &RigidBody, is_moved: bool) -> Option<Doubt> {
-    let doubt = |what: String, value, remedy| {
-        Some(Doubt { grade: DoubtGrade::Impossible, place: place.to_owned(), what, value, unit: "kg m^2", remedy })
-    };
-    let largest = largest_inertia(body);
-    if is_moved && body.m > 0.0 && largest < LEAST_RADIUS * LEAST_RADIUS * body.m {
-        let what = format!("a mass of {} kg with an inertia of {largest:.1e} kg m^2: all of it in one point", body.m);
-        return doubt(
-            what,
-            largest,
-            "give the inertia about the centre of mass, for example of a box of the link's size",
-        );
-    }
     let principal = if body.m > 0.0 { principal_inertias(body.parameters()) } else { [0.0; 3] };
-    if are_of_a_body(principal, ROUNDING) {
-        return None;
+    if !are_of_a_body(principal, ROUNDING) {
+        let [a, b, c] = principal;
+        let what = format!(
+            "principal inertias {a:.3e}, {b:.3e} and {c:.3e} kg m^2, which no body has: one is below zero, or the largest is \
+             above the sum of the others"
+        );
+        let remedy = "give the inertia about the centre of mass, in the axes of the <origin> of the <inertial>";
+        let (grade, place) = (DoubtGrade::Impossible, place.to_owned());
+        return Some(Doubt { grade, place, what, value: a, unit: "kg m^2", remedy });
     }
-    let [a, b, c] = principal;
-    let what = format!(
-        "principal inertias {a:.3e}, {b:.3e} and {c:.3e} kg m^2, which no body has: one is below zero, or the largest is \
-         above the sum of the others"
-    );
-    doubt(what, a, "give the inertia about the centre of mass, in the axes of the <origin> of the <inertial>")
+    let largest = largest_inertia(body);
+    let is_a_point = is_moved && body.m > 0.0 && largest < LEAST_RADIUS * LEAST_RADIUS * body.m;
+    let note = || {
+        let what = format!("a mass of {} kg with an inertia of {largest:?} kg m^2: all of it in one point", body.m);
+        let remedy = "give the inertia about the centre of mass, for example of a box of the link's size";
+        Doubt::note(place.to_owned(), what, remedy)
+    };
+    is_a_point.then(note)
 }
 
 fn largest_inertia(body: &RigidBody) -> f64 {

@@ -68,11 +68,16 @@ impl<'a> Element<'a> {
         self.attribute(key).map(|text| self.parse(key, text)).transpose()
     }
 
+    /// The element's text.
+    pub(super) fn text(self) -> &'a str {
+        self.node.text().unwrap_or_default().trim()
+    }
+
     /// The number that is the element's text or, as Drake writes it, its attribute `value`; within the limits of geometry.
     pub(super) fn bounded_content(self) -> Result<f64, UrdfError> {
         match self.attribute("value") {
             Some(text) => self.bounded("value", text),
-            None => self.bounded("the text", self.node.text().unwrap_or_default().trim()),
+            None => self.bounded("the text", self.text()),
         }
     }
 

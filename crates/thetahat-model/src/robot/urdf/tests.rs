@@ -474,24 +474,32 @@ fn a_lower_limit_above_the_upper_is_refused() {
 }
 
 #[test]
-fn masses_in_a_point_and_links_without_mass_are_doubted() {
+fn masses_in_a_point_and_links_without_mass_are_noted() {
     let inertia = "ixx=\"0.3\" ixy=\"0\" ixz=\"0\" iyy=\"0.2\" iyz=\"0\" izz=\"0.1\"";
     let doubt = |robot: Robot| {
         let [doubt] = &robot.doubts[..] else { panic!("{:?}", robot.doubts) };
-        assert_eq!(doubt.grade, DoubtGrade::Impossible);
-        format!("{}: {}", doubt.place, doubt.what)
+        (doubt.grade, format!("{}: {}", doubt.place, doubt.what))
     };
-    let with = |ixx: &str| format!("ixx=\"{ixx}\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"");
-    for ixx in ["0", "4.1e-18"] {
-        let message = doubt(changed(inertia, &with(ixx)));
-        assert!(
-            message.starts_with("arm.urdf, line 8: <inertial> of <link name=\"upper\">: a mass of 2 kg"),
-            "{message}"
-        );
-        assert!(message.contains("all of it in one point"));
+    let with = |xx: &str, yy: &str| format!("ixx=\"{xx}\" ixy=\"0\" ixz=\"0\" iyy=\"{yy}\" iyz=\"0\" izz=\"{yy}\"");
+    let place = "arm.urdf, line 8: <inertial> of <link name=\"upper\">: ";
+    for (xx, yy) in [("0", "0"), ("1e-18", "1e-18")] {
+        let (grade, message) = doubt(changed(inertia, &with(xx, yy)));
+        assert_eq!(grade, DoubtGrade::Note);
+        assert!(message.starts_with(&format!("{place}a mass of 2 kg with an inertia of {xx}")), "{message}");
+        assert!(message.ends_with("all of it in one point"), "{message}");
     }
-    let massless = ARM.replace(inertia, &with("0")).replace("<mass value=\"2\"/>", "<mass value=\"0\"/>");
-    assert!(doubt(read(&massless).unwrap()).contains("a mass of 0 kg for a link that a joint moves"));
+    let (grade, message) = doubt(changed(inertia, &with("4.1e-18", "0")));
+    assert_eq!(grade, DoubtGrade::Impossible);
+    assert!(message.contains("which no body has"), "{message}");
+    let massless = ARM.replace(inertia, &with("0", "0")).replace("<mass value=\"2\"/>", "<mass value=\"0\"/>");
+    let (grade, message) = doubt(read(&massless).unwrap());
+    assert_eq!(
+        (grade, message),
+        (
+            DoubtGrade::Note,
+            format!("{place}a mass of 0 kg for a link that a joint moves, with all that is fixed to it")
+        )
+    );
     // Something that is fixed to the link can give it its mass.
     let carried = massless.replace("<parent link=\"lower\"/>", "<parent link=\"upper\"/>");
     assert_eq!(read(&carried).unwrap().doubts, []);
@@ -507,4 +515,17 @@ fn a_file_in_another_encoding_is_read() {
     folder.write("bad.urdf", b"<robot name=\"arm\">\n<link name=\"\xe4\"/></robot>");
     let error = Robot::read(&folder.at("bad.urdf")).unwrap_err();
     assert!(matches!(error, RobotError::Encoding { line: 2, .. }), "{error}");
+}
+
+#[test]
+fn transmissions_of_hardware_interfaces_are_skipped() {
+    let interface = |kind: &str, joints: &str| {
+        let state =
+            format!("<transmission name=\"s\"><type>{kind}</type>{joints}<actuator name=\"m\"/></transmission>");
+        read(&ARM.replace("<gazebo", &format!("{state}<gazebo")))
+    };
+    let both = "<joint name=\"shoulder\"/><joint name=\"elbow\"/>";
+    assert_eq!(interface("maker/StateInterface", both).unwrap(), read(ARM).unwrap());
+    let coupled = interface("transmission_interface/DifferentialTransmission", both).unwrap_err().to_string();
+    assert!(coupled.contains("couples several"), "{coupled}");
 }

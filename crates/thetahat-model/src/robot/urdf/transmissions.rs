@@ -55,6 +55,9 @@ pub(super) fn drives<'a>(
         if refuse_coupling_with_locked(transmission.element, is_locked)? {
             continue;
         }
+        if transmission.is_only_an_interface() {
+            continue;
+        }
         let Some((joint, element)) = joint_of(transmission.element)? else { continue };
         let place = joints.iter().position(|name| *name == joint);
         let place = place.ok_or_else(|| structure::unknown(element, "joint", joint, joints.iter()))?;
@@ -90,6 +93,15 @@ fn children_of(parent: Element<'_>, of_ros2_control: bool) -> impl Iterator<Item
 }
 
 impl<'a> TransmissionElement<'a> {
+    /// Whether it names several joints without a coupling, as those of hardware interfaces do: it has no reduction, and no
+    /// type that couples joints.
+    fn is_only_an_interface(&self) -> bool {
+        let several = self.element.elements().filter(|e| e.tag() == "joint").count() > 1;
+        let couples = |e: Element<'_>| e.text().contains("Differential") || e.text().contains("FourBar");
+        let states = |e: Element<'_>| REDUCTION.contains(&e.tag()) || ROTOR_RATIO.contains(&e.tag());
+        several && !self.element.descendants().any(|e| couples(e) || states(e))
+    }
+
     fn drive(&self) -> Result<Drive<'a>, UrdfError> {
         let inertia_element = self.find(&MOTOR_INERTIA);
         let offset = self.element.child("joint").and_then(|joint| joint.child("offset"));

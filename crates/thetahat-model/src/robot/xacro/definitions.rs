@@ -52,7 +52,7 @@ impl Expander {
         let found = self.attribute_text(element, "name", "name the property", scope)?;
         let letters = |c: char| c.is_alphanumeric() || c == '_';
         let is_name = found.chars().all(letters) && !found.starts_with(|c: char| c.is_ascii_digit());
-        if is_name && !found.is_empty() && !found.starts_with("__") {
+        if is_name && !found.is_empty() {
             return Ok(found);
         }
         let expected = "letters, digits and _, beginning with a letter";

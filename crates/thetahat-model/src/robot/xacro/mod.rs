@@ -31,4 +31,6 @@ pub use expansion::{ExpandedXacro, expand_xacro};
 pub use options::XacroOptions;
 
 #[cfg(test)]
+mod reference_cases;
+#[cfg(test)]
 mod tests;

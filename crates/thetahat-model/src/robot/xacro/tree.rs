@@ -8,7 +8,7 @@ use super::XacroProblem;
 use crate::robot::Place;
 
 /// Most elements in one another, macros and includes counted.
-pub(super) const DEEPEST: usize = 250;
+pub(super) const DEEPEST: usize = 150;
 
 /// An element or a text; comments are left out.
 #[derive(Debug, Clone)]
