@@ -34,12 +34,7 @@ pub fn parse<'a>(text: &'a str, path: &Path) -> Result<Document<'a>, UrdfError> 
             let element = "an element in the namespace xacro".to_owned();
             return UrdfError::Xacro { place: super::Place { path: path.to_owned(), line, element } };
         }
-        UrdfError::Syntax {
-            path: path.to_owned(),
-            line,
-            column: error.pos().col as usize,
-            problem: without_position(&error.to_string()),
-        }
+        UrdfError::Syntax { path: path.to_owned(), line, column: error.pos().col as usize, problem: problem_of(&error) }
     })
 }
 
@@ -58,6 +53,19 @@ fn most_attributes(text: &str) -> usize {
         most = most.max(here);
     }
     most
+}
+
+/// The problem in words, with a remedy where other readers of URDF are less strict.
+fn problem_of(error: &Error) -> String {
+    let problem = without_position(&error.to_string());
+    let remedy = if let Error::UnknownNamespace(prefix, _) = error {
+        format!("; add xmlns:{prefix}=\"...\" to the root element")
+    } else if let Error::UnexpectedDeclaration(_) = error {
+        "; remove what stands before `<?xml`".to_owned()
+    } else {
+        String::new()
+    };
+    problem + &remedy
 }
 
 /// The XML reader ends its messages with the position, which our message already states.

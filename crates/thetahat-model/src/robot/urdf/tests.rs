@@ -529,3 +529,14 @@ fn transmissions_of_hardware_interfaces_are_skipped() {
     let coupled = interface("transmission_interface/DifferentialTransmission", both).unwrap_err().to_string();
     assert!(coupled.contains("couples several"), "{coupled}");
 }
+
+#[test]
+fn xml_that_other_readers_accept_is_refused_with_a_remedy() {
+    let message = |text: &str| read(text).unwrap_err().to_string();
+    let prefix = message(&ARM.replace("<link name=\"base\"/>", "<drake:rigid/><link name=\"base\"/>"));
+    assert!(prefix.contains("line 5") && prefix.contains("add xmlns:drake=\"...\" to the root element"), "{prefix}");
+    let blank = message(&format!("\n{ARM}"));
+    assert!(blank.contains("remove what stands before `<?xml`"), "{blank}");
+    let comment = message(&ARM.replace("looks are", "looks -- are"));
+    assert!(comment.contains("line 3"), "{comment}");
+}

@@ -39,12 +39,21 @@ impl Expander {
             return Ok(());
         };
         let is_lazy = self.flag(element, "lazy_eval", true, scope)? && !is_elsewhere;
-        let property = match (is_lazy, literal(Value::text(text))) {
-            (true, Value::Text(_)) => Property::Text(Rc::from(text)),
-            (true, known) => Property::Known(known),
-            (false, _) => Property::Known(literal(self.value(element, text, scope)?)),
+        let property = match literal(Value::text(text)) {
+            _ if !is_lazy => Property::Known(literal(self.value(element, text, scope)?)),
+            // Without its quotes, as the reference evaluates it.
+            Value::Text(text) => Property::Text(text),
+            known @ (Value::None
+            | Value::Bool(_)
+            | Value::Integer(_)
+            | Value::Float(_)
+            | Value::List(_)
+            | Value::Map(_)
+            | Value::Function(_)
+            | Value::Module
+            | Value::Namespace(_)) => Property::Known(known),
         };
-        self.scopes.set(target, &name, unquoted(property, text));
+        self.scopes.set(target, &name, property);
         Ok(())
     }
 
@@ -185,14 +194,5 @@ impl Expander {
 fn arguments(call: &Element) -> impl Iterator<Item = (&str, &str)> {
     let is_of_call = call.name == "xacro:call";
     let given = call.attributes.iter().map(|(name, text)| (name.as_str(), text.as_str()));
-    given.filter(move |(name, _)| !name.starts_with("xmlns") && !(is_of_call && *name == "macro"))
-}
-
-/// A text in quotes is known: what stands in them is not evaluated.
-fn unquoted(property: Property, text: &str) -> Property {
-    let quoted = text.len() >= 2 && text.starts_with('\'') && text.ends_with('\'');
-    match property {
-        Property::Text(_) if quoted => Property::Text(Rc::from(&text[1..text.len() - 1])),
-        other => other,
-    }
+    given.filter(move |(name, _)| !(name.starts_with("xmlns") || is_of_call && *name == "macro"))
 }

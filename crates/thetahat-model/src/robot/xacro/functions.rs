@@ -7,6 +7,9 @@ use super::{
     value::{Number, Value, number_of},
 };
 
+type OfOne = fn(f64) -> f64;
+type OfTwo = fn(f64, f64) -> f64;
+
 /// The constants by name.
 const CONSTANTS: [(&str, Value); 8] = [
     ("True", Value::Bool(true)),
@@ -20,7 +23,7 @@ const CONSTANTS: [(&str, Value); 8] = [
 ];
 
 /// Functions of one number with a number as their value.
-const OF_ONE: [(&str, fn(f64) -> f64); 21] = [
+const OF_ONE: [(&str, OfOne); 21] = [
     ("sin", f64::sin),
     ("cos", f64::cos),
     ("tan", f64::tan),
@@ -45,7 +48,7 @@ const OF_ONE: [(&str, fn(f64) -> f64); 21] = [
 ];
 
 /// Functions of two numbers.
-const OF_TWO: [(&str, fn(f64, f64) -> f64); 4] =
+const OF_TWO: [(&str, OfTwo); 4] =
     [("atan2", f64::atan2), ("pow", f64::powf), ("copysign", f64::copysign), ("fmod", |a, b| a % b)];
 
 /// Functions of values.

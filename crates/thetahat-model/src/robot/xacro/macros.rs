@@ -102,21 +102,20 @@ mod tests {
     #[test]
     fn parameters_have_defaults_of_many_forms() {
         let given = "parent  a:=1 b:='two words' c = ${x + 1} d:=^ e:=^|$(arg k) *origin **rest f:=''";
-        let found: Vec<(String, Option<(bool, Option<String>)>)> =
-            parameters(given).into_iter().map(|p| (p.name, p.default.map(|d| (d.forwarded, d.text)))).collect();
-        let text = |text: &str| Some((false, Some(text.to_owned())));
+        let text = |text: &str| Some(Default { forwarded: false, text: Some(text.to_owned()) });
+        let forwarded = |text: Option<&str>| Some(Default { forwarded: true, text: text.map(str::to_owned) });
         let expected = [
             ("parent", None),
             ("a", text("1")),
             ("b", text("'two words'")),
             ("c", text("${x + 1}")),
-            ("d", Some((true, None))),
-            ("e", Some((true, Some("$(arg k)".to_owned())))),
+            ("d", forwarded(None)),
+            ("e", forwarded(Some("$(arg k)"))),
             ("*origin", None),
             ("**rest", None),
             ("f", text("''")),
         ];
-        assert_eq!(found, expected.map(|(name, default)| (name.to_owned(), default)));
+        assert_eq!(parameters(given), expected.map(|(name, default)| Parameter { name: name.to_owned(), default }));
         assert_eq!(parameters(" : x").len(), 1);
     }
 }

@@ -92,10 +92,10 @@ pub(super) fn slice(of: &Value, from: Option<&Value>, to: Option<&Value>) -> Res
     };
     let (from, to) = (end(from, 0)?, end(to, values.len())?);
     let part = values.get(from..to.max(from)).unwrap_or_default();
-    match of {
-        Value::Text(_) => Ok(Value::text(&part.iter().map(Value::to_text).collect::<String>())),
-        _ => Ok(Value::list(part.to_vec())),
+    if let Value::Text(_) = of {
+        return Ok(Value::text(&part.iter().map(Value::to_text).collect::<String>()));
     }
+    Ok(Value::list(part.to_vec()))
 }
 
 /// The place of an index, which counts from the end if it is negative.

@@ -44,13 +44,11 @@ fn repeated(value: &Value, count: i64) -> Result<Value, ExpressionError> {
     if value.size().max(1).checked_mul(count).is_none_or(|size| size > LARGEST_VALUE) {
         return Err(ExpressionError::TooLarge { what: "letters or entries in one value", limit: LARGEST_VALUE });
     }
-    match value {
-        Value::Text(text) => Ok(Value::text(&text.repeat(count))),
-        other => {
-            let Value::List(values) = other else { return Ok(other.clone()) };
-            Ok(Value::list(values.iter().cycle().take(values.len() * count).cloned().collect()))
-        }
+    if let Value::Text(text) = value {
+        return Ok(Value::text(&text.repeat(count)));
     }
+    let Value::List(values) = value else { return Ok(value.clone()) };
+    Ok(Value::list(values.iter().cycle().take(values.len() * count).cloned().collect()))
 }
 
 fn arithmetic(operator: Binary, a: Number, b: Number) -> Result<Number, ExpressionError> {

@@ -14,10 +14,9 @@ fn expand(body: &str) -> Result<String, XacroError> {
 }
 
 fn problem(body: &str) -> (usize, XacroProblem) {
-    match expand(body).unwrap_err() {
-        XacroError::Element { place, problem } => (place.line, *problem),
-        other => panic!("{other}"),
-    }
+    let error = expand(body).unwrap_err();
+    let XacroError::Element { place, problem } = error else { panic!("{error}") };
+    (place.line, *problem)
 }
 
 fn says(body: &str, words: &[&str]) {
@@ -176,9 +175,10 @@ fn files_outside_of_the_robots_folders_are_not_read() {
     folder.write("a/urdf/robot.xacro", include("../../secret.xacro"));
     folder.write("secret.xacro", format!("{HEAD}</robot>"));
     let path = folder.at("a/urdf/robot.xacro");
-    let refused = |options: &XacroOptions| match expand_xacro(&path, options).unwrap_err() {
-        XacroError::Element { problem, .. } => matches!(*problem, XacroProblem::Outside { .. }),
-        other => panic!("{other}"),
+    let refused = |options: &XacroOptions| {
+        let error = expand_xacro(&path, options).unwrap_err();
+        let XacroError::Element { problem, .. } = error else { panic!("{error}") };
+        matches!(*problem, XacroProblem::Outside { .. })
     };
     assert!(refused(&XacroOptions::default()));
     folder.write("a/urdf/robot.xacro", include(&other.join("secret.xacro").display().to_string()));

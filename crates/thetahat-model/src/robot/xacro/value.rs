@@ -180,10 +180,8 @@ impl Value {
     }
 
     fn to_quoted_text(&self) -> String {
-        match self {
-            Self::Text(text) => format!("'{}'", text.replace('\\', "\\\\").replace('\'', "\\'")),
-            other => other.to_text(),
-        }
+        let Self::Text(text) = self else { return self.to_text() };
+        format!("'{}'", text.replace('\\', "\\\\").replace('\'', "\\'"))
     }
 
     /// Number of values in it and in what it holds, or bytes of text.
