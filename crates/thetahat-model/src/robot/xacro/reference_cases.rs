@@ -313,4 +313,145 @@ empty:
         arguments: &[],
         expected: r#"<robot xmlns:drake="http://drake.mit.edu" name="n"><transmission name="a_t"><joint name="a"/><actuator name="a_m"><mechanicalReduction>113.90625</mechanicalReduction><drake:rotor_inertia value="5e-05"/></actuator></transmission></robot>"#,
     },
+    Case {
+        name: "ns_nested",
+        files: &[
+            (
+                "robot.xacro",
+                r#"<robot name="t" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="k" value="5"/><xacro:include filename="a.xacro" ns="a"/><v x="${a.x}" b="${a.b.y}"/><xacro:a.m/><xacro:a.b.n q="1"/></robot>"#,
+            ),
+            (
+                "a.xacro",
+                r#"<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="x" value="${k * 2}"/><xacro:include filename="b.xacro" ns="b"/><xacro:macro name="m" params=""><v in="${x}"/></xacro:macro></robot>"#,
+            ),
+            (
+                "b.xacro",
+                r#"<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="y" value="3"/><xacro:macro name="n" params="q"><v q="${q}" y="${y}"/></xacro:macro></robot>"#,
+            ),
+        ],
+        arguments: &[],
+        expected: r#"<robot name="t"><v x="10" b="3"/><v in="10"/><v q="1" y="3"/></robot>"#,
+    },
+    Case {
+        name: "quotes",
+        files: &[(
+            "robot.xacro",
+            r#"<robot name="t" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:property name="p" value="''"/><xacro:property name="s" value="'a b'"/><v p="[${p}]" s="${s}" c="${s + p + 'x'}" l="${len(s)}" t="${'true' if p == '' else 'false'}"/><xacro:macro name="m" params="a:='' b:='x y' c:=true d:=1.50"><v a="[${a}]" b="${b}" c="${c}" d="${d}" k="${not c}"/></xacro:macro><xacro:m/><xacro:m c="false" d="'1.50'"/>
+</robot>"#,
+        )],
+        arguments: &[],
+        expected: r#"<robot name="t"><v p="[]" s="a b" c="a bx" l="3" t="true"/><v a="[]" b="x y" c="True" d="1.5" k="False"/><v a="[]" b="x y" c="False" d="1.50" k="True"/></robot>"#,
+    },
+    Case {
+        name: "numbers",
+        files: &[(
+            "robot.xacro",
+            r#"<robot name="t" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:property name="a" value="1.0"/><xacro:property name="b" value="007"/><xacro:property name="c" value=" 3 "/><xacro:property name="d" value="1e3"/><xacro:property name="e" value="-.5"/><xacro:property name="f" value="+4"/><xacro:property name="g" value="inf"/><v a="${a}" b="${b}" c="${c}" d="${d}" e="${e}" f="${f}" aa="${a*2}" g="${g}" r="$(arg z)" z="${$(arg z)/4}" t="${1e22}" u="${123456789012345680.0}" w="${1/3}" x="${-0.0}" y="${2**0.5}" q="${10**-3}"/>
+</robot>"#,
+        )],
+        arguments: &["z:=2"],
+        expected: r#"<robot name="t"><v a="1.0" b="7" c="3" d="1000.0" e="-0.5" f="4" aa="2.0" g="inf" r="2" z="0.5" t="1e+22" u="1.2345678901234568e+17" w="0.3333333333333333" x="-0.0" y="1.4142135623730951" q="0.001"/></robot>"#,
+    },
+    Case {
+        name: "texts",
+        files: &[(
+            "robot.xacro",
+            r#"<robot name="t" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<a>  ${1+1}  </a><b>x${2}y $${z} $(arg k)</b><c attr="a&#10;b"/><d attr="${'&lt;'}"/>
+</robot>"#,
+        )],
+        arguments: &["k:=v"],
+        expected: r#"<robot name="t"><a>2</a><b>x2y ${z} v</b><c attr="a&#10;b"/><d attr="&lt;"/></robot>"#,
+    },
+    Case {
+        name: "lists",
+        files: &[(
+            "robot.xacro",
+            r#"<robot name="t" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:property name="l" value="${[1,2,3]}"/><xacro:property name="m" value="${dict(a=[1,2], b='x')}"/><v l="${l}" m="${m}" s="${l[1:]}" n="${l[-2]}" j="${' '.join(['a','b'])}"/><v z="${m['b']}" k="${list(m.keys())}" in="${2 in l}" nin="${5 not in l}" e="${l == [1,2,3]}"/>
+</robot>"#,
+        )],
+        arguments: &[],
+        expected: r#"<robot name="t"><v l="[1, 2, 3]" m="{'a': [1, 2], 'b': 'x'}" s="[2, 3]" n="2" j="a b"/><v z="x" k="['a', 'b']" in="True" nin="True" e="True"/></robot>"#,
+    },
+    Case {
+        name: "conds",
+        files: &[(
+            "robot.xacro",
+            r#"<robot name="t" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:property name="n" value="None"/><xacro:if value="${n == 'None'}"><v a="1"/></xacro:if><xacro:if value="${[]}"><v a="2"/></xacro:if><xacro:unless value="${'' or 0.0}"><v a="3"/></xacro:unless><xacro:if value="${'1'}"><v a="4"/></xacro:if><xacro:if value="true"><xacro:if value="False"><v/></xacro:if><v a="5"/></xacro:if>
+</robot>"#,
+        )],
+        arguments: &[],
+        expected: r#"<robot name="t"><v a="1"/><v a="3"/><v a="4"/><v a="5"/></robot>"#,
+    },
+    Case {
+        name: "args",
+        files: &[(
+            "robot.xacro",
+            r#"<robot name="t" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:arg name="a" default="${1+1}"/><xacro:arg name="b" default="$(arg a)x"/><xacro:property name="c" default="$(arg b)"/><v a="$(arg a)" b="$(arg b)" c="${c}" d="${'$(arg b)' == '2x'}" e="${$(arg a) == 2}"/>
+</robot>"#,
+        )],
+        arguments: &[],
+        expected: r#"<robot name="t"><v a="2" b="2x" c="2x" d="True" e="True"/></robot>"#,
+    },
+    Case {
+        name: "elem",
+        files: &[(
+            "robot.xacro",
+            r#"<robot name="t" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:macro name="e" params="n *b"><xacro:element xacro:name="${n}"><xacro:insert_block name="b"/></xacro:element></xacro:macro><xacro:e n="q"><z/></xacro:e><xacro:element xacro:name="xacro:e" n="r"><z/></xacro:element>
+</robot>"#,
+        )],
+        arguments: &[],
+        expected: r#"<robot name="t"><q><z/></q><r><z/></r></robot>"#,
+    },
+    Case {
+        name: "lazy",
+        files: &[(
+            "robot.xacro",
+            r#"<robot name="t" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:property name="a" value="${b}"/><xacro:property name="b" value="1"/><v a="${a}"/><xacro:property name="b" value="2"/><v a="${a}"/><xacro:property name="a" value="${b}"/><xacro:macro name="m" params="b"><v a="${a}" b="${b}"/></xacro:macro><xacro:m b="7"/>
+</robot>"#,
+        )],
+        arguments: &[],
+        expected: r#"<robot name="t"><v a="1"/><v a="1"/><v a="2" b="7"/></robot>"#,
+    },
+    Case {
+        name: "forward",
+        files: &[(
+            "robot.xacro",
+            r#"<robot name="t" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:property name="p" value="outer"/><xacro:macro name="m" params="p:=^|none q:=^|${p}x"><v p="${p}" q="${q}"/></xacro:macro><xacro:m/><xacro:macro name="k" params=""><xacro:property name="p" value="inner"/><xacro:m/></xacro:macro><xacro:k/>
+</robot>"#,
+        )],
+        arguments: &[],
+        expected: r#"<robot name="t"><v p="outer" q="outerx"/><v p="inner" q="innerx"/></robot>"#,
+    },
+    Case {
+        name: "mathfun",
+        files: &[(
+            "robot.xacro",
+            r#"<robot name="t" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<v a="${math.floor(2.7)}" b="${math.pi}" c="${pow(2,3)}" d="${fabs(-2)}" e="${exp(1)}" f="${log(10)}" g="${atan2(1,-1)}" h="${fmod(7,3)}" i="${copysign(1,-2)}" j="${hypot(3,4)}" k="${trunc(-2.5)}" l="${max(1,2.0)}" m="${round(-1.5)}" n="${round(1.25,1)}" o="${int(-3.7)}" p="${str(1.0)}" q="${float('2')}" r="${7.5 // 2}" s="${-7.5 % 2}" t="${5 % -3}" u="${log(8,2)}" v="${tau}"/>
+</robot>"#,
+        )],
+        arguments: &[],
+        expected: r#"<robot name="t"><v a="2" b="3.141592653589793" c="8.0" d="2.0" e="2.718281828459045" f="2.302585092994046" g="2.356194490192345" h="1.0" i="-1.0" j="5.0" k="-2" l="2.0" m="-2" n="1.2" o="-3" p="1.0" q="2.0" r="3.0" s="0.5" t="-1" u="3.0" v="6.283185307179586"/></robot>"#,
+    },
+    Case {
+        name: "param_space",
+        files: &[(
+            "robot.xacro",
+            r#"<robot name="t" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:macro name="m" params="a  b := 2
+  c:= 3 d =4 e:='5 6'"><v a="${a}" b="${b}" c="${c}" d="${d}" e="${e}"/></xacro:macro><xacro:m a="1"/>
+</robot>"#,
+        )],
+        arguments: &[],
+        expected: r#"<robot name="t"><v a="1" b="2" c="3" d="4" e="5 6"/></robot>"#,
+    },
 ];

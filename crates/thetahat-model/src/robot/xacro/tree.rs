@@ -125,7 +125,7 @@ fn write(text: &mut String, element: &Element, depth: usize) {
     text.extend([indent.as_str(), "<", &element.name]);
     for (name, value) in &element.attributes {
         // A text that is written cannot fail.
-        _ = write!(text, " {name}=\"{}\"", escaped(value));
+        _ = write!(text, " {name}=\"{}\"", escaped_attribute(value));
     }
     if element.children.is_empty() {
         text.push_str("/>\n");
@@ -146,18 +146,33 @@ fn write(text: &mut String, element: &Element, depth: usize) {
 }
 
 fn escaped(text: &str) -> String {
+    escaped_with(text, |_| None)
+}
+
+/// A reader turns line breaks and tabs of an attribute into blanks unless they are escaped.
+fn escaped_attribute(text: &str) -> String {
+    escaped_with(text, |c| match c {
+        '\n' => Some("&#10;"),
+        '\r' => Some("&#13;"),
+        '\t' => Some("&#9;"),
+        _ => None,
+    })
+}
+
+fn escaped_with(text: &str, more: impl Fn(char) -> Option<&'static str>) -> String {
     let escape = |c: char| match c {
         '&' => Some("&amp;"),
         '<' => Some("&lt;"),
         '>' => Some("&gt;"),
         '"' => Some("&quot;"),
-        _ => None,
+        _ => more(c),
     };
-    text.chars().fold(String::with_capacity(text.len()), |mut written, c| {
+    let mut written = String::with_capacity(text.len());
+    for c in text.chars() {
         match escape(c) {
             Some(escape) => written.push_str(escape),
             None => written.push(c),
         }
-        written
-    })
+    }
+    written
 }
