@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use super::{
     XacroError, XacroProblem,
-    expansion::{Content, at},
+    expansion::{Content, Done, at},
     macros::{Macro, Parameter},
     scope::{Block, GLOBAL, Property},
     state::Expander,
@@ -12,8 +12,6 @@ use super::{
     tree::{Element, Node},
     value::Value,
 };
-
-type Done = Result<(), XacroError>;
 
 impl Expander {
     /// `<xacro:property>`: a value, a default, a block, or the removal of one.

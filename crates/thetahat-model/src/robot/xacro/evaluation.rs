@@ -6,11 +6,12 @@ use super::{
     functions,
     methods::{entry, method, slice},
     operators::{binary, bounded, compare, negative},
+    parser::parse,
     scope::GLOBAL,
     state::Expander,
-    syntax::{Comparison, Expression, parse},
+    syntax::{Comparison, Expression},
     value::Value,
-    yaml,
+    yaml, yaml_scalars,
 };
 
 pub(super) type Evaluated = Result<Value, ExpressionError>;
@@ -185,13 +186,17 @@ impl Expander {
 
     fn load_yaml(&mut self, name: &str) -> Evaluated {
         let path = relative_to(self.file(), name);
-        let text = self.read(&path).map_err(|error| ExpressionError::File { error: Box::new(error) })?;
+        let text = self.read(&path).map_err(|error| {
+            let (path, reason) = (path.clone(), error.to_string());
+            ExpressionError::File { path, reason }
+        })?;
         let mut number = |text: &str| {
             let expression = parse(text).ok()?;
             Some(self.evaluate(&expression, GLOBAL).ok()?.number()?.float())
         };
         let read = yaml::parse(&text, &mut number);
-        let value = read.map_err(|yaml::Problem { line, problem }| ExpressionError::Yaml { path, line, problem })?;
+        let value =
+            read.map_err(|yaml_scalars::Problem { line, problem }| ExpressionError::Yaml { path, line, problem })?;
         self.counted(bounded(value)?)
     }
 }

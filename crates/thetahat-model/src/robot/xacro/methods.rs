@@ -1,6 +1,6 @@
 //! Methods of texts and dictionaries, and entries by index.
 
-use super::{ExpressionError, functions::items, operators::bounded, value::Value};
+use super::{ExpressionError, operators::bounded, value::Value, value_functions::items};
 
 /// The value of `object.name(arguments)`.
 pub(super) fn method(object: &Value, name: &str, arguments: &[Value]) -> Result<Value, ExpressionError> {

@@ -8,15 +8,19 @@
 //! named by [`XacroOptions`], and packages with a `package.xml` in and beside the folders above the file.
 
 mod definitions;
+mod elements;
 mod error;
 mod evaluation;
 mod expansion;
+mod expression_error;
 mod folders;
 mod functions;
 mod macros;
 mod methods;
+mod operands;
 mod operators;
 mod options;
+mod parser;
 mod scope;
 mod state;
 mod substitution;
@@ -24,10 +28,14 @@ mod syntax;
 mod tokens;
 mod tree;
 mod value;
+mod value_functions;
+mod words_reader;
 mod yaml;
+mod yaml_scalars;
 
-pub use error::{ExpressionError, XacroError, XacroProblem};
+pub use error::{XacroError, XacroProblem};
 pub use expansion::{ExpandedXacro, expand_xacro};
+pub use expression_error::ExpressionError;
 pub use options::XacroOptions;
 
 #[cfg(test)]

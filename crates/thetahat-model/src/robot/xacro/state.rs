@@ -17,6 +17,8 @@ use crate::robot::text_file::{RobotFile, TextFile, read};
 const MOST_STEPS: usize = 4_000_000;
 /// Most elements and texts of an expansion.
 const MOST_NODES: usize = 500_000;
+/// Most bytes of the values of attributes and of texts.
+const MOST_BYTES: usize = 64 << 20;
 /// Bytes of text, or entries of values, that count as one step.
 const BYTES_PER_STEP: usize = 64;
 /// Most files of an expansion, each as often as it is read.
@@ -37,6 +39,7 @@ pub(super) struct Expander {
     depth: usize,
     steps: usize,
     nodes: usize,
+    bytes: usize,
     reads: usize,
 }
 
@@ -52,6 +55,7 @@ impl Expander {
             depth: 0,
             steps: 0,
             nodes: 0,
+            bytes: 0,
             reads: 0,
         }
     }
@@ -95,6 +99,15 @@ impl Expander {
             return Ok(());
         }
         Err(XacroProblem::TooLarge { what: "elements and texts", limit: MOST_NODES })
+    }
+
+    /// Counts the bytes of an attribute or text of the expansion.
+    pub(super) fn add_bytes(&mut self, bytes: usize) -> Result<(), XacroProblem> {
+        self.bytes += bytes;
+        if self.bytes <= MOST_BYTES {
+            return Ok(());
+        }
+        Err(XacroProblem::TooLarge { what: "bytes of values", limit: MOST_BYTES })
     }
 
     /// The text of a file that a file may name.

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use super::{
-    ExpressionError, evaluation::Evaluated, folders::folder_of, scope::Property, state::Expander, syntax::parse,
+    ExpressionError, evaluation::Evaluated, folders::folder_of, parser::parse, scope::Property, state::Expander,
     value::Value,
 };
 

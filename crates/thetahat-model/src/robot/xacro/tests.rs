@@ -164,6 +164,23 @@ fn what_grows_without_end_is_refused() {
     ));
 }
 
+/// Files that would take hours or more memory than there is.
+#[test]
+fn costs_are_bounded() {
+    let large = "a".repeat(1 << 19);
+    let copies = format!("<xacro:property name=\"t\" value=\"{large}\"/>{}", "<l x=\"${t}\"/>".repeat(1000));
+    assert!(matches!(problem(&copies).1, XacroProblem::TooLarge { what: "bytes of values", .. }));
+    let long = format!("<l x=\"${{{}}}\"/>", "1 ".repeat(1 << 20));
+    assert!(matches!(problem(&long).1, XacroProblem::Text { .. }));
+    let parameters = format!("<xacro:macro name=\"m\" params=\"{}\"/>", "p:=1 ".repeat(2000));
+    assert!(matches!(problem(&parameters).1, XacroProblem::TooLarge { what: "parameters of a macro", .. }));
+    let given = (0..2000).map(|k| format!("<xacro:attribute name=\"a{k}\" value=\"1\"/>")).collect::<String>();
+    assert!(matches!(problem(&format!("<l>{given}</l>")).1, XacroProblem::TooLarge { .. }));
+    let list = "<xacro:property name=\"l0\" value=\"${list(range(10**6))}\"/>".to_owned();
+    let sums: String = (0..200).map(|_| "<l x=\"${len(l0 + l0)}\"/>".to_owned()).collect();
+    assert!(expand(&format!("{list}{sums}")).is_err());
+}
+
 #[test]
 fn files_outside_of_the_robots_folders_are_not_read() {
     let folder = Folder::new();
