@@ -118,5 +118,10 @@ fn of_limits(joint: &JointElement<'_>) -> Vec<Doubt> {
             format!("the limit of {word} is {value}, under which the joint cannot move: it is taken as not stated");
         Doubt::note(limit.place().to_string(), what, "give the limit of the data sheet, or leave out the attribute")
     };
-    unusable.map(note).collect()
+    let position = moving.limits.lower.filter(|lower| Some(*lower) == moving.limits.upper);
+    let fixed = |position: f64| {
+        let what = format!("the limits of position are both {position}: the joint cannot move between them");
+        Doubt::note(limit.place().to_string(), what, "give the range of the data sheet, or leave out lower and upper")
+    };
+    unusable.map(note).chain(position.map(fixed)).collect()
 }

@@ -461,6 +461,8 @@ fn limits_of_zero_are_stated_and_noted() {
     assert!(velocity.place.contains("line 23: <limit> of <joint name=\"shoulder\">"), "{}", velocity.place);
     assert!(velocity.what.starts_with("the limit of velocity is 0"));
     assert!(effort.what.starts_with("the limit of effort is 0"));
+    let fixed = changed("lower=\"-1\" upper=\"2\"", "lower=\"0\" upper=\"0\"");
+    assert!(fixed.doubts[0].what.starts_with("the limits of position are both 0"), "{:?}", fixed.doubts);
 }
 
 #[test]

@@ -31,7 +31,9 @@ impl Folders {
         let folder = files::real(&folder).unwrap_or(folder);
         let above: Vec<PathBuf> = folder.ancestors().take(MOST_ABOVE).map(Path::to_owned).collect();
         let package = above.iter().find(|folder| is_package(folder));
-        let own = package.or(above.get(1)).or(above.first()).cloned();
+        // The folder of all files would be no limit.
+        let next = above.get(1).filter(|folder| folder.parent().is_some());
+        let own = package.or(next).or(above.first()).cloned();
         let packages: BTreeMap<String, PathBuf> = options.packages.iter().cloned().collect();
         let allowed = own.into_iter().chain(packages.values().filter_map(|folder| files::real(folder).ok())).collect();
         Self { above, packages, allowed }

@@ -1,9 +1,12 @@
 //! Methods of texts and dictionaries, and entries by index.
 
-use super::{ExpressionError, operators::bounded, value::Value, value_functions::items};
+use super::{ExpressionError, formats::braces, operators::bounded, value::Value, value_functions::items};
 
 /// The value of `object.name(arguments)`.
 pub(super) fn method(object: &Value, name: &str, arguments: &[Value]) -> Result<Value, ExpressionError> {
+    if let (Value::Text(text), "format") = (object, name) {
+        return braces(text, arguments).and_then(bounded);
+    }
     let found = match object {
         Value::Text(text) => of_text(text, name, arguments),
         Value::Map(entries) => of_map(object, entries, name, arguments),

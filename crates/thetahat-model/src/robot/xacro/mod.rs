@@ -5,7 +5,7 @@
 //! ones), `$(arg)`, `$(find)`, `$(dirname)` and `$(optenv)` with a default, macros with parameters, defaults and blocks,
 //! `include` with `ns` and `optional`, `if` and `unless`, `insert_block`, `element`, `attribute`, `call` and `load_yaml`. The
 //! environment is not read. An expansion reads the file's own package (without one: its folder and the one above), packages
-//! named by [`XacroOptions`], and packages with a `package.xml` in and beside the folders above the file.
+//! named by [`XacroOptions`], and packages with a `package.xml` in or next to the folders above the file.
 
 mod definitions;
 mod elements;
@@ -14,6 +14,7 @@ mod evaluation;
 mod expansion;
 mod expression_error;
 mod folders;
+mod formats;
 mod functions;
 mod macros;
 mod methods;

@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 
 use super::{
     ExpressionError,
+    formats::percent,
     syntax::{Binary, Comparison},
     value::{Number, Value},
 };
@@ -31,10 +32,7 @@ pub(super) fn binary(operator: Binary, left: &Value, right: &Value) -> Result<Va
         }
         (Binary::Multiply, Value::Text(_) | Value::List(_), Value::Integer(count)) => repeated(left, *count),
         (Binary::Multiply, Value::Integer(count), Value::Text(_) | Value::List(_)) => repeated(right, *count),
-        (Binary::Remainder, Value::Text(_), _) => Err(ExpressionError::Unsupported {
-            what: "text % values",
-            remedy: "join the parts with +, and numbers with str()",
-        }),
+        (Binary::Remainder, Value::Text(text), values) => percent(text, values).and_then(bounded),
         _ => Err(refused()),
     }
 }

@@ -8,7 +8,7 @@ use super::{macros::Macro, tree::Element, value::Value};
 /// The scope of the whole file.
 pub(super) const GLOBAL: usize = 0;
 
-/// A property as it stands.
+/// The state of a property.
 #[derive(Debug, Clone)]
 pub(super) enum Property {
     /// Its value.
