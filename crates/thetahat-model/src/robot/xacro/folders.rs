@@ -27,15 +27,16 @@ impl Folders {
     /// The folders of the file at `path`: it may read its package, or without one its own folder and the one above, and the
     /// packages that `options` name.
     pub(super) fn new(path: &Path, options: &XacroOptions) -> Self {
-        let folder = folder_of(path);
-        let folder = files::real(&folder).unwrap_or(folder);
+        // A workspace may hold links to the files of its packages.
+        let folder = folder_of(&absolute(path.to_owned()));
         let above: Vec<PathBuf> = folder.ancestors().take(MOST_ABOVE).map(Path::to_owned).collect();
         let package = above.iter().find(|folder| is_package(folder));
         // The folder of all files would be no limit.
         let next = above.get(1).filter(|folder| folder.parent().is_some());
         let own = package.or(next).or(above.first()).cloned();
-        let packages: BTreeMap<String, PathBuf> = options.packages.iter().cloned().collect();
-        let allowed = own.into_iter().chain(packages.values().filter_map(|folder| files::real(folder).ok())).collect();
+        let named = |(name, folder): &(String, PathBuf)| (name.clone(), absolute(folder.clone()));
+        let packages: BTreeMap<String, PathBuf> = options.packages.iter().map(named).collect();
+        let allowed = own.into_iter().chain(packages.values().cloned()).collect();
         Self { above, packages, allowed }
     }
 
@@ -47,15 +48,23 @@ impl Folders {
         }
         let is_name = matches!(Path::new(name).components().collect::<Vec<_>>()[..], [Component::Normal(_)]);
         let found = self.above.iter().filter(|_| is_name).find_map(|folder| package_near(folder, name))?;
-        self.allowed.extend(files::real(&found));
+        let found = absolute(found);
+        self.allowed.push(found.clone());
         self.packages.insert(name.to_owned(), found.clone());
         Some(found)
     }
 
     /// Whether a file may be read. A missing one may: reading it names it.
     pub(super) fn may_read(&self, path: &Path) -> bool {
-        files::real(path).map_or(true, |real| self.allowed.iter().any(|folder| real.starts_with(folder)))
+        let real = absolute(path.to_owned());
+        !files::exists(path) || self.allowed.iter().any(|folder| real.starts_with(folder))
     }
+}
+
+/// The absolute path, links followed: `$(find)` stands for it wherever the file is that says it.
+fn absolute(path: PathBuf) -> PathBuf {
+    // Files in memory have no root in their paths.
+    Path::new("/").join(files::real(&path).unwrap_or(path))
 }
 
 /// The path of a file that the file at `from` names.

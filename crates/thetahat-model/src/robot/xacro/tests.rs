@@ -207,6 +207,24 @@ fn files_outside_of_the_robots_folders_are_not_read() {
     assert!(expand_xacro(&path, &options).is_ok());
 }
 
+/// A workspace of ROS may link to the files of its packages.
+#[cfg(unix)]
+#[test]
+fn a_file_that_is_a_link_reads_the_package_it_is_in() {
+    let folder = Folder::new();
+    folder.write("src/arm/package.xml", "<package><name>arm</name></package>");
+    folder.write("src/arm/urdf/arm.xacro", format!("{HEAD}<xacro:include filename=\"part.xacro\"/></robot>"));
+    folder.write("src/arm/urdf/part.xacro", format!("{HEAD}<part/></robot>"));
+    folder.write("install/share/arm/package.xml", "<package><name>arm</name></package>");
+    folder.write("install/share/arm/urdf/other", "");
+    for name in ["arm.xacro", "part.xacro"] {
+        let (real, link) = (folder.at("src/arm/urdf").join(name), folder.at("install/share/arm/urdf").join(name));
+        std::os::unix::fs::symlink(real, link).unwrap();
+    }
+    let expanded = expand_xacro(&folder.at("install/share/arm/urdf/arm.xacro"), &XacroOptions::default()).unwrap();
+    assert!(expanded.text.contains("<part/>"));
+}
+
 #[test]
 fn options_have_a_form() {
     let mut options = XacroOptions::default();
