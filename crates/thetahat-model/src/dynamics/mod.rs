@@ -36,6 +36,8 @@ mod adjoint;
 mod coupled_motor;
 mod damping;
 mod energy;
+#[cfg(test)]
+mod follower_tests;
 mod forward_dynamics;
 mod frames;
 mod geometry;

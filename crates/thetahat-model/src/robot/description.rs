@@ -31,7 +31,7 @@ pub struct Robot {
     pub a_priori: BTreeMap<String, f64>,
     /// Joints of the description that were locked and are no longer joints of this robot.
     pub locked: Vec<LockedJoint>,
-    /// Physically impossible values in its description.
+    /// Physically impossible values in its description, and notes of how it was interpreted.
     pub doubts: Vec<Doubt>,
     /// Descriptions of torque terms in addition to those of links and drives; [`Robot::add_terms`] adds them.
     pub term_descriptions: Vec<TermDescription>,
@@ -39,19 +39,39 @@ pub struct Robot {
     pub terms: Vec<TermColumn>,
 }
 
-/// A physically impossible value in a description that is used unchanged: for example a negative mass in a URDF.
+/// A value of a description that is physically impossible and used unchanged, such as a negative mass in a URDF, or a note
+/// of how something was interpreted.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Doubt {
+    /// How serious it is.
+    pub grade: DoubtGrade,
     /// File, line and element.
     pub place: String,
     /// What it is, in words.
     pub what: String,
-    /// The impossible value.
+    /// The impossible value; zero for a note without one.
     pub value: f64,
     /// Its unit.
     pub unit: &'static str,
     /// What to do.
     pub remedy: &'static str,
+}
+
+/// How serious a doubt is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum DoubtGrade {
+    /// The value is physically impossible, and estimates or simulations may suffer from it.
+    Impossible,
+    /// The description says less than it should; how it was interpreted is stated.
+    Note,
+}
+
+impl Doubt {
+    /// A note of how something was interpreted.
+    pub(super) fn note(place: String, what: String, remedy: &'static str) -> Self {
+        Self { grade: DoubtGrade::Note, place, what, value: 0.0, unit: "", remedy }
+    }
 }
 
 impl Robot {

@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use super::{locking::LockError, terms::TermError, urdf::UrdfError};
+use super::{locking::LockError, terms::TermError, urdf::UrdfError, xacro::XacroError};
 
 /// Why a robot description cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -13,6 +13,16 @@ pub enum RobotError {
         path: PathBuf,
         /// The system's error.
         reason: String,
+    },
+    /// The bytes of the file are not text.
+    #[error("{}, line {line}: the robot description is not text in {encoding}; save it as UTF-8", path.display())]
+    Encoding {
+        /// The file.
+        path: PathBuf,
+        /// The first line that cannot be read.
+        line: usize,
+        /// The encoding that the file states, otherwise UTF-8.
+        encoding: String,
     },
     /// The file is not TOML of the expected form; the message names line and column.
     #[error("{}: {message}", path.display())]
@@ -69,6 +79,9 @@ pub enum RobotError {
     /// A URDF that cannot be used.
     #[error(transparent)]
     Urdf(#[from] UrdfError),
+    /// A xacro that cannot be expanded.
+    #[error(transparent)]
+    Xacro(Box<XacroError>),
     /// Joints that cannot be locked.
     #[error("{}: {source}", path.display())]
     Lock {
@@ -127,6 +140,12 @@ pub enum RobotError {
         /// The names of the first joint.
         known: Vec<String>,
     },
+}
+
+impl From<XacroError> for RobotError {
+    fn from(error: XacroError) -> Self {
+        Self::Xacro(Box::new(error))
+    }
 }
 
 impl RobotError {

@@ -101,7 +101,8 @@ pub struct Mimic {
     pub offset: f64,
 }
 
-/// The limits of a joint that its description states.
+/// The limits of a joint that its description states: none if it states nothing, and a velocity or an effort of zero if it
+/// states 0, which is no limit that a joint can move under ([`Limits::usable`]).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Limits {
     /// Smallest coordinate, rad or m.
@@ -112,6 +113,14 @@ pub struct Limits {
     pub velocity: Option<f64>,
     /// Largest torque or force, N m or N.
     pub effort: Option<f64>,
+}
+
+impl Limits {
+    /// A limit of velocity or effort under which the joint can move: none if the description states none, or 0.
+    #[must_use]
+    pub fn usable(limit: Option<f64>) -> Option<f64> {
+        limit.filter(|value| *value > 0.0)
+    }
 }
 
 /// The six numbers of a joint's frame in modified Denavit-Hartenberg form, with Khalil's gamma and b for trees.

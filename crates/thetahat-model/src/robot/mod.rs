@@ -17,8 +17,10 @@
 
 mod body;
 mod description;
+mod encoding;
 mod error;
 mod joint;
+mod loading;
 mod locking;
 mod parameters;
 mod physical;
@@ -26,14 +28,16 @@ mod quantity;
 mod sound;
 mod source;
 mod terms;
+mod text_file;
 mod toml_file;
 mod transmission;
 mod tree;
 mod urdf;
+mod xacro;
 
 #[doc(hidden)]
 pub use body::{Frame, RigidBody};
-pub use description::{Doubt, Robot};
+pub use description::{Doubt, DoubtGrade, Robot};
 pub use error::RobotError;
 pub use joint::{DenavitHartenberg, Joint, JointKind, Limits, Mimic, Placement};
 #[doc(hidden)]
@@ -45,17 +49,19 @@ pub use quantity::{
     Bound, Friction, INERTIAL, JointQuantity, LinkQuantity, MotorQuantity, Quantity, Role, TermQuantity,
 };
 pub use sound::NotARobot;
-#[doc(hidden)]
-pub use source::read_text;
-pub use source::{RobotFile, RobotSource};
+pub use source::RobotSource;
 pub use terms::{
     ChannelFactor, Cylinder, Direction, Expression, LinkPoint, PointDescription, Shape, Stribeck, StribeckLaw,
     TermColumn, TermDescription, TermError, TwoPoints, Variable, channels_of,
 };
 pub(crate) use terms::{Formula, MathFunction};
+pub use text_file::RobotFile;
+#[doc(hidden)]
+pub use text_file::read_text;
 pub use transmission::Transmission;
 pub use urdf::{Place, Solid, UrdfError};
 #[doc(hidden)]
 pub use urdf::{parse_xml, roll_pitch_yaw};
+pub use xacro::{ExpandedXacro, ExpressionError, XacroError, XacroOptions, XacroProblem, expand_xacro};
 
 use joint::{LARGEST, MOST_JOINTS};

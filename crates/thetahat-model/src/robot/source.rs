@@ -1,38 +1,14 @@
-use std::{
-    io::Read,
-    path::{Path, PathBuf},
-};
-
-use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
 
 use super::{
     description::Robot,
     error::RobotError,
+    loading::{Loaded, expanded_name, load},
     locking::{Locks, LocksOf, merged, resolve_all},
+    text_file::RobotFile,
     toml_file, urdf,
+    xacro::XacroOptions,
 };
-use thetahat_ground::{digest::sha256, files};
-
-/// Longest robot description, bytes.
-const LONGEST: u64 = 16 << 20;
-
-/// A file that a robot was read from, with a digest that identifies its content.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct RobotFile {
-    /// Its name without folders.
-    pub name: String,
-    /// SHA-256 of its bytes, in hexadecimal digits: what `sha256sum` prints.
-    pub sha256: String,
-}
-
-impl RobotFile {
-    fn new(path: &Path, text: &str) -> Self {
-        Self {
-            name: path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
-            sha256: sha256(text.as_bytes()),
-        }
-    }
-}
 
 /// The complete text of a robot: including the text of the URDF that a TOML refers to.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -40,6 +16,10 @@ pub struct RobotSource {
     path: PathBuf,
     text: String,
     urdf: Option<(PathBuf, String)>,
+    /// The files that were read.
+    files: Vec<RobotFile>,
+    /// Whether the text is that of an expanded xacro.
+    is_expanded: bool,
 }
 
 impl RobotSource {
@@ -48,7 +28,15 @@ impl RobotSource {
     /// # Errors
     /// [`RobotError`] for a file that cannot be read.
     pub fn read(path: &Path) -> Result<Self, RobotError> {
-        Self::from_text(read_text(path)?, path)
+        Self::read_with_xacro(path, &XacroOptions::default())
+    }
+
+    /// Reads the description, and the URDF that it refers to; either may be a xacro, which is expanded with these options.
+    ///
+    /// # Errors
+    /// As [`RobotSource::read`], and [`RobotError::Xacro`].
+    pub fn read_with_xacro(path: &Path, options: &XacroOptions) -> Result<Self, RobotError> {
+        Self::of(load(path, options)?, path, options)
     }
 
     /// A description from its text; `path` is its name in messages, and its key `urdf` is relative to its folder.
@@ -56,13 +44,28 @@ impl RobotSource {
     /// # Errors
     /// As [`RobotSource::read`].
     pub fn from_text(text: String, path: &Path) -> Result<Self, RobotError> {
+        let own = (!toml_file::has_embedded_urdf(&text)).then(|| RobotFile::new(path, text.as_bytes()));
+        let loaded = Loaded { text, files: own.into_iter().collect(), is_expanded: false };
+        Self::of(loaded, path, &XacroOptions::default())
+    }
+
+    fn of(own: Loaded, path: &Path, options: &XacroOptions) -> Result<Self, RobotError> {
+        let Loaded { text, mut files, mut is_expanded } = own;
         let urdf = if is_xml(&text) { None } else { toml_file::urdf_of(&text, path)? };
         let urdf = match urdf {
-            Some(toml_file::Urdf::File(file)) => Some((file.clone(), read_text(&file)?)),
-            Some(toml_file::Urdf::Text(name, text)) => Some((name, text)),
+            Some(toml_file::Urdf::File(file)) => {
+                let loaded = load(&file, options)?;
+                files.extend(loaded.files);
+                is_expanded |= loaded.is_expanded;
+                Some((file, loaded.text))
+            }
+            Some(toml_file::Urdf::Text(name, text)) => {
+                files.push(RobotFile::new(&name, text.as_bytes()));
+                Some((name, text))
+            }
             None => None,
         };
-        Ok(Self { path: path.to_owned(), text, urdf })
+        Ok(Self { path: path.to_owned(), text, urdf, files, is_expanded })
     }
 
     /// The file of the description.
@@ -77,12 +80,11 @@ impl RobotSource {
         self.urdf.as_ref().map(|(path, _)| path.as_path())
     }
 
-    /// The files, the description first and then the URDF that it refers to. For a text with an embedded URDF, as made by
-    /// [`RobotSource::to_text`], only the URDF.
+    /// The files, the description first and then the URDF that it refers to, each with the files that a xacro includes. For a
+    /// text with an embedded URDF, as made by [`RobotSource::to_text`], only the URDF.
     #[must_use]
     pub fn files(&self) -> Vec<RobotFile> {
-        let own = (!toml_file::has_embedded_urdf(&self.text)).then(|| RobotFile::new(&self.path, &self.text));
-        own.into_iter().chain(self.urdf.iter().map(|(path, text)| RobotFile::new(path, text))).collect()
+        self.files.clone()
     }
 
     /// The text of the URDF that the robot is read from; none if a TOML defines the joints.
@@ -132,10 +134,12 @@ impl RobotSource {
     }
 
     fn read_as(&self, transmissions: urdf::Transmissions, locks: &[LocksOf<'_>]) -> Result<Robot, RobotError> {
+        let shown = |path: &Path| if self.is_expanded { expanded_name(path) } else { path.to_owned() };
         if !is_xml(&self.text) {
-            return toml_file::read(&self.text, &self.path, self.urdf.as_ref(), transmissions, locks);
+            let urdf = self.urdf.as_ref().map(|(path, text)| (shown(path), text.as_str()));
+            return toml_file::read(&self.text, &self.path, urdf, transmissions, locks);
         }
-        let whole = urdf::read(&self.text, &self.path, transmissions, locks)?;
+        let whole = urdf::read(&self.text, &shown(&self.path), transmissions, locks)?;
         let values = resolve_all(&whole.joints, locks)?;
         merged(&whole, &values).map_err(|source| RobotError::lock(&self.path, source))
     }
@@ -173,20 +177,4 @@ impl Robot {
 
 fn is_xml(text: &str) -> bool {
     text.trim_start_matches('\u{feff}').trim_start().starts_with('<')
-}
-
-/// The text of a description, of at most 16 MiB.
-#[doc(hidden)]
-pub fn read_text(path: &Path) -> Result<String, RobotError> {
-    let unreadable = |e: std::io::Error| RobotError::Unreadable { path: path.to_owned(), reason: e.to_string() };
-    let mut text = String::new();
-    files::open(path).and_then(|file| file.take(LONGEST + 1).read_to_string(&mut text)).map_err(unreadable)?;
-    if text.len() as u64 > LONGEST {
-        return Err(RobotError::TooLarge {
-            path: path.to_owned(),
-            what: "MiB of text",
-            limit: (LONGEST >> 20) as usize,
-        });
-    }
-    Ok(text)
 }

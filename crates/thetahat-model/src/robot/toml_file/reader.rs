@@ -18,7 +18,7 @@ const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 pub(in crate::robot) fn read(
     text: &str,
     path: &Path,
-    urdf: Option<&(PathBuf, String)>,
+    urdf: Option<(PathBuf, &str)>,
     transmissions: urdf::Transmissions,
     stated: &[LocksOf<'_>],
 ) -> Result<Robot, RobotError> {
@@ -27,7 +27,7 @@ pub(in crate::robot) fn read(
     let locks: Vec<LocksOf<'_>> = [LocksOf { path, locks: &locks }].into_iter().chain(stated.iter().copied()).collect();
     let reader = Reader { path, text };
     let below = match urdf {
-        Some((urdf_path, urdf_text)) => reader.on_urdf(&file, urdf_path, urdf_text, transmissions, &locks)?,
+        Some((urdf_path, urdf_text)) => reader.on_urdf(&file, &urdf_path, urdf_text, transmissions, &locks)?,
         None => reader.alone(&file)?,
     };
     let whole = reader.with_additions(below, file)?;

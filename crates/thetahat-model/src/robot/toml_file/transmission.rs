@@ -17,7 +17,10 @@ impl Reader<'_> {
             Some(matrix) => self.rows(matrix.into_inner(), n)?,
             None => (0..n).map(|i| (0..n).map(|j| before.matrix().at(i, j)).collect()).collect(),
         };
-        let offset = self.offsets(entry.offset_deg, entry.offset_m, &kinds)?;
+        let offset = match (&entry.offset_deg, &entry.offset_m) {
+            (None, None) => before.offset().to_vec(),
+            (Some(_), _) | (None, Some(_)) => self.offsets(entry.offset_deg, entry.offset_m, &kinds)?,
+        };
         let drive_gain = self.list("drive_gain", entry.drive_gain, n, 1.0)?;
         if let Some(gain) = drive_gain.iter().find(|g| **g == 0.0) {
             return Err(self.value("[transmission] drive_gain", "numbers other than zero", &gain.to_string()));

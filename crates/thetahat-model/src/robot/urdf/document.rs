@@ -34,12 +34,7 @@ pub fn parse<'a>(text: &'a str, path: &Path) -> Result<Document<'a>, UrdfError> 
             let element = "an element in the namespace xacro".to_owned();
             return UrdfError::Xacro { place: super::Place { path: path.to_owned(), line, element } };
         }
-        UrdfError::Syntax {
-            path: path.to_owned(),
-            line,
-            column: error.pos().col as usize,
-            problem: without_position(&error.to_string()),
-        }
+        UrdfError::Syntax { path: path.to_owned(), line, column: error.pos().col as usize, problem: problem_of(&error) }
     })
 }
 
@@ -60,6 +55,19 @@ fn most_attributes(text: &str) -> usize {
     most
 }
 
+/// The problem in words, with a remedy where other readers of URDF are less strict.
+fn problem_of(error: &Error) -> String {
+    let problem = without_position(&error.to_string());
+    let remedy = if let Error::UnknownNamespace(prefix, _) = error {
+        format!("; add xmlns:{prefix}=\"...\" to the root element")
+    } else if let Error::UnexpectedDeclaration(_) = error {
+        "; remove what stands before `<?xml`".to_owned()
+    } else {
+        String::new()
+    };
+    problem + &remedy
+}
+
 /// The XML reader ends its messages with the position, which our message already states.
 fn without_position(message: &str) -> String {
     message.rsplit_once(" at ").map_or(message, |(before, _)| before).to_owned()
@@ -75,9 +83,13 @@ pub(super) fn robot<'a>(document: &'a Document<'a>, path: &'a Path) -> Result<El
     let mut parts = 0;
     for child in root.elements() {
         child.check_expanded()?;
-        if matches!(child.tag(), "link" | "joint" | "transmission") {
-            parts += 1;
-            child.descendants().try_for_each(|element| element.check_expanded())?;
+        match child.tag() {
+            "link" | "joint" | "transmission" => {
+                parts += 1;
+                child.descendants().try_for_each(|element| element.check_expanded())?;
+            }
+            "ros2_control" => parts += child.elements().filter(|e| e.tag() == "transmission").count(),
+            _ => {}
         }
     }
     if parts > MOST_PARTS {

@@ -1,53 +1,92 @@
-//! Physically impossible values in a URDF: negative masses, inertias and friction, and inertias that no body can have.
+//! Physically impossible values in a URDF: negative masses, inertias and friction, inertias that no body can have, bodies
+//! without mass or inertia. And notes of what a file leaves out.
 
-use super::{UrdfError, element::Element, joints::JointElement, links};
+use super::{
+    UrdfError,
+    element::Element,
+    joints::JointElement,
+    links,
+    structure::{ImpliedBase, Structure},
+};
 use crate::robot::{
-    Doubt, JointKind,
+    Doubt, DoubtGrade, JointKind,
+    body::RigidBody,
     physical::{are_of_a_body, principal_inertias},
 };
 
 /// Fraction of the largest inertia that truncated digits may cause, for files with three digits.
 const ROUNDING: f64 = 0.01;
+/// Radius of gyration, m, below which an inertia counts as zero: no link is a hundred times smaller than a grain of sand.
+const LEAST_RADIUS: f64 = 1e-5;
 
-/// The doubts about the links and joints of a file, in its order.
-pub(super) fn of(links: &[Element<'_>], joints: &[JointElement<'_>]) -> Result<Vec<Doubt>, UrdfError> {
-    let mut doubts = Vec::new();
-    for link in links {
-        doubts.extend(of_link(*link)?);
+/// The doubts about the links and joints of a file, in its order. `bodies` are those that joints move, by link: each with
+/// everything that is fixed to it.
+pub(super) fn of(structure: &Structure<'_>, bodies: &[Option<RigidBody>]) -> Result<Vec<Doubt>, UrdfError> {
+    let mut doubts: Vec<Doubt> = structure.implied.iter().map(of_implied_base).collect();
+    for (link, body) in structure.links.iter().zip(bodies) {
+        doubts.extend(of_link(*link, body.as_ref())?);
     }
-    doubts.extend(joints.iter().flat_map(of_joint));
+    doubts.extend(structure.joints.iter().flat_map(of_joint));
     Ok(doubts)
 }
 
-fn of_link(link: Element<'_>) -> Result<Option<Doubt>, UrdfError> {
+fn of_implied_base(base: &ImpliedBase<'_>) -> Doubt {
+    let what =
+        format!("the file has no link `{}`; it was added as the base, since every other link has a parent", base.name);
+    Doubt::note(base.element.place().to_string(), what, "add <link name=\"...\"/> of this name")
+}
+
+fn of_link(link: Element<'_>, moved: Option<&RigidBody>) -> Result<Option<Doubt>, UrdfError> {
     let Some((inertial, body)) = links::inertial_of(link)? else { return Ok(None) };
-    let doubt = |what: String, value, unit, remedy| {
-        Some(Doubt { place: inertial.place().to_string(), what, value, unit, remedy })
+    let place = inertial.place().to_string();
+    Ok(of_mass(&place, &body, moved).or_else(|| of_inertia(&place, &body, moved.is_some())))
+}
+
+/// Why the mass of a link is in doubt.
+fn of_mass(place: &str, body: &RigidBody, moved: Option<&RigidBody>) -> Option<Doubt> {
+    let impossible = |what: String, value, remedy| {
+        Some(Doubt { grade: DoubtGrade::Impossible, place: place.to_owned(), what, value, unit: "kg", remedy })
     };
     if body.m < 0.0 {
         let remedy = "give the mass of the link; it is the start of iterations and what estimates are compared with";
-        return Ok(doubt(format!("a mass of {} kg, below zero", body.m), body.m, "kg", remedy));
+        return impossible(format!("a mass of {} kg, below zero", body.m), body.m, remedy);
     }
-    let parameters = body.parameters();
-    let largest = parameters.iter().take(6).fold(0.0, |m: f64, v| m.max(v.abs()));
-    if body.m == 0.0 && largest > 0.0 {
-        return Ok(doubt("inertia without a mass".to_owned(), 0.0, "kg", "give the mass, or leave out the <inertial>"));
+    if body.m == 0.0 && largest_inertia(body) > 0.0 {
+        return impossible("inertia without a mass".to_owned(), 0.0, "give the mass, or leave out the <inertial>");
     }
-    let principal = if body.m > 0.0 { principal_inertias(parameters) } else { [0.0; 3] };
-    if are_of_a_body(principal, ROUNDING) {
-        return Ok(None);
+    if body.m == 0.0 && moved.is_some_and(|moved| moved.m == 0.0) {
+        let what = "a mass of 0 kg for a link that a joint moves, with all that is fixed to it".to_owned();
+        let remedy = "give the mass, or leave out the <inertial> of a link whose mass is unknown";
+        return Some(Doubt::note(place.to_owned(), what, remedy));
     }
-    let [a, b, c] = principal;
-    let what = format!(
-        "principal inertias {a:.3e}, {b:.3e} and {c:.3e} kg m^2, which no body has: one is below zero, or the largest is \
-         above the sum of the others"
-    );
-    Ok(doubt(
-        what,
-        a,
-        "kg m^2",
-        "give the inertia about the centre of mass, in the axes of the <origin> of the <inertial>",
-    ))
+    None
+}
+
+/// Why the inertia of a link is in doubt. A point mass that is fixed to another link is how loads are given.
+fn of_inertia(place: &str, body: &RigidBody, is_moved: bool) -> Option<Doubt> {
+    let principal = if body.m > 0.0 { principal_inertias(body.parameters()) } else { [0.0; 3] };
+    if !are_of_a_body(principal, ROUNDING) {
+        let [a, b, c] = principal;
+        let what = format!(
+            "principal inertias {a:.3e}, {b:.3e} and {c:.3e} kg m^2, which no body has: one is below zero, or the largest is \
+             above the sum of the others"
+        );
+        let remedy = "give the inertia about the centre of mass, in the axes of the <origin> of the <inertial>";
+        let (grade, place) = (DoubtGrade::Impossible, place.to_owned());
+        return Some(Doubt { grade, place, what, value: a, unit: "kg m^2", remedy });
+    }
+    let largest = largest_inertia(body);
+    let is_a_point = is_moved && body.m > 0.0 && largest < LEAST_RADIUS * LEAST_RADIUS * body.m;
+    let note = || {
+        let what = format!("a mass of {} kg with an inertia of {largest:?} kg m^2: all of it in one point", body.m);
+        let remedy = "give the inertia about the centre of mass, for example of a box of the link's size";
+        Doubt::note(place.to_owned(), what, remedy)
+    };
+    is_a_point.then(note)
+}
+
+fn largest_inertia(body: &RigidBody) -> f64 {
+    body.inertia.as_flattened().iter().fold(0.0, |m: f64, v| m.max(v.abs()))
 }
 
 fn of_joint(joint: &JointElement<'_>) -> Vec<Doubt> {
@@ -59,11 +98,30 @@ fn of_joint(joint: &JointElement<'_>) -> Vec<Doubt> {
     let given = [("damping", damping), ("friction", friction)].into_iter().zip(moving.friction);
     let below = given.filter(|(_, value)| *value < 0.0);
     let doubt = |((word, unit), value): ((&str, &'static str), f64)| Doubt {
+        grade: DoubtGrade::Impossible,
         place: joint.element.place().to_string(),
         what: format!("a {word} of {value} {unit}, below zero: friction that drives"),
         value,
         unit,
         remedy: "give zero or more, or leave out <dynamics>",
     };
-    below.map(doubt).collect()
+    below.map(doubt).chain(of_limits(joint)).collect()
+}
+
+/// Limits of velocity and effort that no joint can move under.
+fn of_limits(joint: &JointElement<'_>) -> Vec<Doubt> {
+    let Some((moving, limit)) = joint.moving.as_ref().zip(joint.element.child("limit")) else { return Vec::new() };
+    let stated = [("velocity", moving.limits.velocity), ("effort", moving.limits.effort)];
+    let unusable = stated.into_iter().filter_map(|(word, value)| Some((word, value.filter(|value| *value <= 0.0)?)));
+    let note = |(word, value): (&str, f64)| {
+        let what =
+            format!("the limit of {word} is {value}, under which the joint cannot move: it is taken as not stated");
+        Doubt::note(limit.place().to_string(), what, "give the limit of the data sheet, or leave out the attribute")
+    };
+    let position = moving.limits.lower.filter(|lower| Some(*lower) == moving.limits.upper);
+    let fixed = |position: f64| {
+        let what = format!("the limits of position are both {position}: the joint cannot move between them");
+        Doubt::note(limit.place().to_string(), what, "give the range of the data sheet, or leave out lower and upper")
+    };
+    unusable.map(note).chain(position.map(fixed)).collect()
 }

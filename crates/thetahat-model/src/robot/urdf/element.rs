@@ -68,9 +68,17 @@ impl<'a> Element<'a> {
         self.attribute(key).map(|text| self.parse(key, text)).transpose()
     }
 
-    /// The number that is the element's text.
-    pub(super) fn text_number(self) -> Result<f64, UrdfError> {
-        self.parse("the text", self.node.text().unwrap_or_default().trim())
+    /// The element's text.
+    pub(super) fn text(self) -> &'a str {
+        self.node.text().unwrap_or_default().trim()
+    }
+
+    /// The number that is the element's text or, as Drake writes it, its attribute `value`; within the limits of geometry.
+    pub(super) fn bounded_content(self) -> Result<f64, UrdfError> {
+        match self.attribute("value") {
+            Some(text) => self.bounded("value", text),
+            None => self.bounded("the text", self.text()),
+        }
     }
 
     /// The three numbers in an attribute.

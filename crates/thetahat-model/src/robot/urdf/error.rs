@@ -131,6 +131,27 @@ pub enum UrdfError {
         /// Its line.
         first_line: usize,
     },
+    /// Several links that joints name as parents are missing, so that none can be the base.
+    #[error(
+        "{place}: the links {} are parents of joints, but this file has none of them; only one can be the base that is left \
+         out: add `<link name=\"...\"/>` for each and join them with joints of type fixed", names.join(", ")
+    )]
+    MissingBases {
+        /// The `<parent>` that names the first.
+        place: Place,
+        /// The names with their lines, such as `world (line 3)`.
+        names: Vec<String>,
+    },
+    /// The lower limit of a joint is above its upper limit.
+    #[error("{place}: lower is {lower}, above upper, {upper}; give the smaller number as lower")]
+    LimitOrder {
+        /// The `<limit>`.
+        place: Place,
+        /// The lower limit, rad or m.
+        lower: f64,
+        /// The upper limit, rad or m.
+        upper: f64,
+    },
     /// No joint moves.
     #[error("{}: no joint of this URDF moves; at least one must be revolute, continuous or prismatic", path.display())]
     NoMovingJoint {

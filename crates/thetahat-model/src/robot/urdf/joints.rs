@@ -114,6 +114,11 @@ fn limits(element: Element<'_>) -> Result<Limits, UrdfError> {
     let (lower, upper) = (limit.number("lower")?, limit.number("upper")?);
     let turns = element.attribute("type") == Some("continuous");
     let bounds = if turns { (None, None) } else { (lower, upper) };
+    if let (Some(lower), Some(upper)) = bounds
+        && lower > upper
+    {
+        return Err(UrdfError::LimitOrder { place: limit.place(), lower, upper });
+    }
     Ok(Limits {
         lower: bounds.0,
         upper: bounds.1,

@@ -1,23 +1,19 @@
-use std::{collections::BTreeMap, path::Path};
+use std::path::Path;
 
 use super::{
-    UrdfError, document, doubts,
+    UrdfError,
+    assembly::{Assembly, LinkPlace},
+    document, doubts,
     element::Element,
-    joints::{JointElement, Moving},
     links,
     shapes::{Solid, shapes_of},
-    structure::{LinkPair, Structure, unknown},
+    structure::{LinkPair, Structure},
     transmissions,
 };
 use crate::robot::{
-    Friction, INERTIAL, Joint, MOST_JOINTS, Mimic, Placement, Robot, RobotError, Transmission,
+    Doubt, Friction, MOST_JOINTS, Robot, RobotError, Transmission,
     body::{Frame, RigidBody},
     locking::{LocksOf, resolve_all},
-    tree,
-};
-use thetahat_ground::{
-    linear_algebra::Matrix,
-    vector::{product, times, transpose},
 };
 
 /// Acceleration of gravity in the frame of the root link, m/s^2.
@@ -58,22 +54,38 @@ pub(in crate::robot) fn read(
     }
     assembly.follow()?;
     let locked = resolve_all(&assembly.joints, locks)?;
+    let mut doubts = doubts::of(&structure, &assembly.moved_bodies())?;
+    let mut a_priori = assembly.a_priori();
     let transmission = match transmissions {
-        Transmissions::Read => assembly.transmission(element, &structure, &locked)?,
-        Transmissions::Ignored => Transmission::direct(assembly.coordinates().count()),
+        Transmissions::Read => {
+            let drives = assembly.drives(element, &structure, &locked)?;
+            a_priori.extend(assembly.motor_inertias(&drives));
+            doubts.extend(assembly.unused_inertias(&drives));
+            assembly.transmission(&drives)
+        }
+        Transmissions::Ignored => {
+            doubts.extend(transmissions::motor_inertias(element).into_iter().map(ignored_inertia));
+            Transmission::direct(assembly.coordinates().count())
+        }
     };
     Ok(Robot {
         term_descriptions: Vec::new(),
         terms: Vec::new(),
         name,
         gravity: GRAVITY,
-        a_priori: assembly.a_priori(),
+        a_priori,
         joints: assembly.joints,
         transmission,
         friction: Friction::Symmetric,
         locked: Vec::new(),
-        doubts: doubts::of(&structure.links, &structure.joints)?,
+        doubts,
     })
+}
+
+/// The note of a motor inertia whose reduction the file does not give.
+fn ignored_inertia(element: Element<'_>) -> Doubt {
+    let what = "the motor inertia is not used, since the transmission of the file is replaced by another".to_owned();
+    Doubt::note(element.place().to_string(), what, "give ia, N^2 times the motor inertia, in [parameters]")
 }
 
 /// A link of a URDF with its rigid body.
@@ -117,135 +129,4 @@ pub(in crate::robot) fn link_bodies(text: &str, path: &Path) -> Result<Vec<LinkB
         })
     };
     structure.links.iter().enumerate().map(link).collect()
-}
-
-/// The robot under construction, from the base, joint by joint.
-struct Assembly<'s, 'a> {
-    links: &'s [Element<'a>],
-    /// The carrier of each link, once it is reached.
-    places: Vec<Option<LinkPlace>>,
-    joints: Vec<Joint>,
-    moving: Vec<&'s Moving<'a>>,
-    /// The body of each joint's link, with everything fixed to it.
-    bodies: Vec<RigidBody>,
-}
-
-/// The moving joint that carries a link, none for the base, and the link's frame in the frame of the carrier's own
-/// link.
-#[derive(Clone, Copy)]
-struct LinkPlace {
-    carrier: Option<usize>,
-    frame: Frame,
-}
-
-impl<'s, 'a> Assembly<'s, 'a> {
-    fn new(structure: &'s Structure<'a>) -> Self {
-        let mut places = vec![None; structure.links.len()];
-        if let Some(root) = places.get_mut(structure.root) {
-            *root = Some(LinkPlace { carrier: None, frame: Frame::SAME });
-        }
-        Self { links: &structure.links, places, joints: Vec::new(), moving: Vec::new(), bodies: Vec::new() }
-    }
-
-    fn add(&mut self, joint: &'s JointElement<'a>, parent: usize, child: usize) -> Result<(), UrdfError> {
-        let Some(LinkPlace { carrier, frame }) = self.places[parent] else { return Ok(()) };
-        let frame = frame.then(&joint.frame);
-        let body = links::body_of(self.links[child])?;
-        self.places[child] = Some(match &joint.moving {
-            None => {
-                if let Some(carrier) = carrier {
-                    self.bodies[carrier].absorb(&body.seen_in(&frame));
-                }
-                LinkPlace { carrier, frame }
-            }
-            Some(moving) => {
-                self.joints.push(self.joint(joint.name, moving, carrier, &frame));
-                self.moving.push(moving);
-                self.bodies.push(body);
-                LinkPlace { carrier: Some(self.joints.len() - 1), frame: Frame::SAME }
-            }
-        });
-        Ok(())
-    }
-
-    /// The joint's frame is the link's, rotated so that z is the axis; so is the frame of its carrier.
-    fn joint(&self, name: &str, moving: &Moving<'a>, carrier: Option<usize>, frame: &Frame) -> Joint {
-        let rotation = product(&frame.rotation, &moving.axes);
-        let (rotation, origin) = match carrier.and_then(|c| self.joints[c].link_axes) {
-            None => (rotation, frame.origin),
-            Some(axes) => (product(&axes, &rotation), times(&axes, frame.origin)),
-        };
-        Joint {
-            name: name.to_owned(),
-            kind: moving.kind,
-            parent: carrier,
-            placement: Placement::new(&rotation, origin),
-            link_axes: (!moving.has_link_axes()).then(|| transpose(&moving.axes)),
-            mimic: None,
-            limits: moving.limits,
-        }
-    }
-
-    /// Resolves the `<mimic>` of joints.
-    fn follow(&mut self) -> Result<(), UrdfError> {
-        let mimics = self.moving.iter().map(|m| self.mimic(m)).collect::<Result<Vec<_>, _>>()?;
-        let resolved = tree::resolve_mimics(&mimics).map_err(|joint| self.follows_itself(joint))?;
-        self.joints.iter_mut().zip(resolved).for_each(|(joint, mimic)| joint.mimic = mimic);
-        Ok(())
-    }
-
-    fn mimic(&self, moving: &Moving<'_>) -> Result<Option<Mimic>, UrdfError> {
-        let Some(mimic) = &moving.mimic else { return Ok(None) };
-        match self.joints.iter().position(|joint| joint.name == mimic.joint) {
-            Some(of) => Ok(Some(Mimic { of, ratio: mimic.ratio, offset: mimic.offset })),
-            None => {
-                let names: Vec<&str> = self.joints.iter().map(|j| j.name.as_str()).collect();
-                Err(unknown(mimic.element, "moving joint", mimic.joint, names.iter()))
-            }
-        }
-    }
-
-    fn follows_itself(&self, joint: usize) -> UrdfError {
-        let mimic = self.moving[joint].mimic.as_ref();
-        let place = mimic.map_or_else(|| self.links[0].place(), |mimic| mimic.element.place());
-        let joint = mimic.map_or(String::new(), |mimic| mimic.joint.to_owned());
-        UrdfError::Mimic {
-            place,
-            joint,
-            problem: "it follows itself in the end, or by a ratio beyond 1e9; one joint must follow none",
-        }
-    }
-
-    fn coordinates(&self) -> impl Iterator<Item = &Joint> {
-        self.joints.iter().filter(|joint| joint.mimic.is_none())
-    }
-
-    fn transmission(
-        &self,
-        robot: Element<'_>,
-        structure: &Structure<'_>,
-        locked: &[Option<f64>],
-    ) -> Result<Transmission, UrdfError> {
-        let names: Vec<&str> = structure.joints.iter().map(|joint| joint.name).collect();
-        let is_locked = |name: &str| self.joints.iter().zip(locked).any(|(j, v)| v.is_some() && j.name == name);
-        let reductions = transmissions::reductions(robot, &names, &is_locked)?;
-        let of = |joint: &Joint| names.iter().position(|name| *name == joint.name).map_or(1.0, |i| reductions[i]);
-        let diagonal: Vec<f64> = self.coordinates().map(of).collect();
-        let n = diagonal.len();
-        let matrix = Matrix::from_fn(n, n, |i, j| if i == j { diagonal[i] } else { 0.0 });
-        let direct = || Transmission::direct(n);
-        Ok(Transmission::new(matrix, vec![0.0; n], vec![1.0; n]).unwrap_or_else(direct))
-    }
-
-    /// The inertial parameters and friction that differ from zero.
-    fn a_priori(&self) -> BTreeMap<String, f64> {
-        let mut values = BTreeMap::new();
-        for (k, (body, moving)) in self.bodies.iter().zip(&self.moving).enumerate() {
-            let inertial = INERTIAL.iter().map(|quantity| quantity.name()).zip(body.parameters());
-            let [viscous, coulomb] = moving.friction;
-            let all = inertial.chain([("fv", viscous), ("fc", coulomb)]).filter(|(_, value)| *value != 0.0);
-            values.extend(all.map(|(name, value)| (format!("{name}{}", k + 1), value)));
-        }
-        values
-    }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::UrdfError;
-use crate::robot::{JointKind, Robot, RobotError};
+use crate::robot::{DoubtGrade, JointKind, Limits, Robot, RobotError, RobotSource};
 
 const ARM: &str = r#"<?xml version="1.0"?>
 <robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">
@@ -363,4 +363,182 @@ fn what_no_robot_has_is_used_and_doubted() {
     assert!(doubts("<mass value=\"2\"/>", "<mass value=\"0\"/>")[0].contains("inertia without a mass"));
     // Three printed digits of a thin plate.
     assert_eq!(doubts("ixx=\"0.3\"", "ixx=\"0.302\""), Vec::<String>::new());
+}
+
+/// The arm without its link `base`.
+fn without_base() -> String {
+    ARM.replace("  <link name=\"base\"/>\n", "")
+}
+
+#[test]
+fn a_missing_base_is_added_with_a_note() {
+    let robot = read(&without_base()).unwrap();
+    let whole = read(ARM).unwrap();
+    assert_eq!((&robot.joints, &robot.a_priori), (&whole.joints, &whole.a_priori));
+    let [note] = &robot.doubts[..] else { panic!("{:?}", robot.doubts) };
+    assert_eq!(note.grade, DoubtGrade::Note);
+    assert_eq!(note.place, "arm.urdf, line 18: <parent> of <joint name=\"shoulder\">");
+    assert!(note.what.contains("no link `base`; it was added"), "{}", note.what);
+}
+
+#[test]
+fn several_missing_bases_are_named() {
+    let text = without_base().replace("<parent link=\"upper\"/>", "<parent link=\"world\"/>");
+    let RobotError::Urdf(error) = read(&text).unwrap_err() else { panic!() };
+    assert!(matches!(error, UrdfError::MissingBases { .. }), "{error}");
+    says(&error, &["arm.urdf, line 18", "base (line 18), world (line 26)", "only one can be the base"]);
+}
+
+#[test]
+fn a_missing_link_that_has_a_parent_is_refused() {
+    let text = without_base().replace("<child link=\"tool\"/>", "<child link=\"tol\"/>");
+    let RobotError::Urdf(error) = read(&text).unwrap_err() else { panic!() };
+    says(&error, &["names the link"]);
+}
+
+#[test]
+fn transmissions_of_ros2_control_are_read() {
+    let of = |text: &str| {
+        let block = "<joint name=\"shoulder\"><mechanicalReduction>9</mechanicalReduction></joint></ros2_control>";
+        let (_, ros1) = ARM.split_once("  <transmission").unwrap();
+        let (ros1, _) = ros1.split_once("  <gazebo").unwrap();
+        let alone = ARM.replace(&format!("  <transmission{ros1}"), "");
+        assert!(alone.contains(block));
+        read(&alone.replace(block, &format!("{text}</ros2_control>")))
+    };
+    let joint = "<joint name=\"shoulder\" role=\"joint1\"><mechanical_reduction>101.0</mechanical_reduction>\
+                 <offset>0.15</offset></joint>";
+    let robot = of(&format!("<transmission name=\"t\"><actuator name=\"a\"/>{joint}</transmission>")).unwrap();
+    assert_eq!((robot.transmission.matrix().at(0, 0), robot.transmission.offset()), (101.0, &[0.15, 0.0][..]));
+    // The reduction of the joint counts, as ROS 2 reads it.
+    let actuator = "<actuator name=\"a\"><mechanical_reduction>2</mechanical_reduction></actuator>";
+    let robot = of(&format!("<transmission name=\"t\">{actuator}{joint}</transmission>")).unwrap();
+    assert_eq!(robot.transmission.matrix().at(0, 0), 101.0);
+    let missing = of("<transmission name=\"t\"><joint name=\"sholder\"/></transmission>").unwrap_err().to_string();
+    assert!(missing.contains("`sholder`") && missing.contains("is `shoulder` meant"), "{missing}");
+    let own =
+        "<transmission name=\"t\"><joint name=\"shoulder\"><mechanical_reduction>3</mechanical_reduction></joint>";
+    let error = refused("</ros2_control>", &format!("{own}</transmission></ros2_control>"));
+    says(&error, &["a second, different reduction"]);
+}
+
+#[test]
+fn motor_inertias_are_a_priori_at_the_joint() {
+    let reduction = "<mechanicalReduction>-50</mechanicalReduction>";
+    for inertia in ["<motorInertia>5e-5</motorInertia>", "<rotor_inertia value=\"5e-5\"/>"] {
+        let robot = changed(reduction, &format!("<mechanicalReduction>113.90625</mechanicalReduction>{inertia}"));
+        close(value(&robot, "ia1"), 113.90625 * 113.90625 * 5e-5);
+        assert_eq!(robot.doubts, []);
+    }
+    let drake = changed(reduction, "<rotor_inertia value=\"2e-4\"/><gear_ratio value=\"20\"/>");
+    close(value(&drake, "ia1"), 20.0 * 20.0 * 2e-4);
+    assert_eq!(drake.transmission.matrix().at(0, 0), 1.0);
+    let error = refused(reduction, "<motorInertia>-1</motorInertia>");
+    says(&error, &["<motorInertia> of <actuator name=\"motor\">", "zero or more"]);
+}
+
+#[test]
+fn a_motor_inertia_that_cannot_be_used_is_noted() {
+    let inertia = "<motorInertia>5e-5</motorInertia><mechanicalReduction>-50</mechanicalReduction>";
+    let text = ARM.replace("<mechanicalReduction>-50</mechanicalReduction>", inertia);
+    let notes = |robot: &Robot| robot.doubts.iter().map(|d| d.what.clone()).collect::<Vec<_>>();
+    let fixed = read(&text.replacen("<joint name=\"shoulder\"><hard", "<joint name=\"flange\"><hard", 1)).unwrap();
+    assert_eq!(notes(&fixed), ["the motor inertia is not used, since joint `flange` is fixed"]);
+    let source = RobotSource::from_text(text, Path::new("arm.urdf")).unwrap();
+    let replaced = source.robot_without_transmission().unwrap();
+    assert!(notes(&replaced)[0].contains("replaced by another"));
+    assert_eq!(replaced.a_priori.get("ia1"), None);
+}
+
+#[test]
+fn limits_of_zero_are_stated_and_noted() {
+    let robot = changed("velocity=\"3\" effort=\"40\"", "velocity=\"0\" effort=\"0.0\"");
+    let limits = robot.joints[0].limits;
+    assert_eq!((limits.velocity, limits.effort, Limits::usable(limits.effort)), (Some(0.0), Some(0.0), None));
+    assert_eq!(robot.joints[1].limits.velocity, None);
+    let [velocity, effort] = &robot.doubts[..] else { panic!("{:?}", robot.doubts) };
+    assert_eq!((velocity.grade, effort.grade), (DoubtGrade::Note, DoubtGrade::Note));
+    assert!(velocity.place.contains("line 23: <limit> of <joint name=\"shoulder\">"), "{}", velocity.place);
+    assert!(velocity.what.starts_with("the limit of velocity is 0"));
+    assert!(effort.what.starts_with("the limit of effort is 0"));
+    let fixed = changed("lower=\"-1\" upper=\"2\"", "lower=\"0\" upper=\"0\"");
+    assert!(fixed.doubts[0].what.starts_with("the limits of position are both 0"), "{:?}", fixed.doubts);
+}
+
+#[test]
+fn a_lower_limit_above_the_upper_is_refused() {
+    let error = refused("lower=\"-1\" upper=\"2\"", "lower=\"2\" upper=\"-1\"");
+    assert!(matches!(error, UrdfError::LimitOrder { .. }));
+    says(&error, &["line 23: <limit> of <joint name=\"shoulder\">", "lower is 2, above upper, -1"]);
+    let continuous =
+        ARM.replace("lower=\"-1\" upper=\"2\"", "lower=\"2\" upper=\"-1\"").replace("revolute", "continuous");
+    assert!(read(&continuous).is_ok());
+}
+
+#[test]
+fn masses_in_a_point_and_links_without_mass_are_noted() {
+    let inertia = "ixx=\"0.3\" ixy=\"0\" ixz=\"0\" iyy=\"0.2\" iyz=\"0\" izz=\"0.1\"";
+    let doubt = |robot: Robot| {
+        let [doubt] = &robot.doubts[..] else { panic!("{:?}", robot.doubts) };
+        (doubt.grade, format!("{}: {}", doubt.place, doubt.what))
+    };
+    let with = |xx: &str, yy: &str| format!("ixx=\"{xx}\" ixy=\"0\" ixz=\"0\" iyy=\"{yy}\" iyz=\"0\" izz=\"{yy}\"");
+    let place = "arm.urdf, line 8: <inertial> of <link name=\"upper\">: ";
+    for (xx, yy) in [("0", "0"), ("1e-18", "1e-18")] {
+        let (grade, message) = doubt(changed(inertia, &with(xx, yy)));
+        assert_eq!(grade, DoubtGrade::Note);
+        assert!(message.starts_with(&format!("{place}a mass of 2 kg with an inertia of {xx}")), "{message}");
+        assert!(message.ends_with("all of it in one point"), "{message}");
+    }
+    let (grade, message) = doubt(changed(inertia, &with("4.1e-18", "0")));
+    assert_eq!(grade, DoubtGrade::Impossible);
+    assert!(message.contains("which no body has"), "{message}");
+    let massless = ARM.replace(inertia, &with("0", "0")).replace("<mass value=\"2\"/>", "<mass value=\"0\"/>");
+    let (grade, message) = doubt(read(&massless).unwrap());
+    assert_eq!(
+        (grade, message),
+        (
+            DoubtGrade::Note,
+            format!("{place}a mass of 0 kg for a link that a joint moves, with all that is fixed to it")
+        )
+    );
+    // Something that is fixed to the link can give it its mass.
+    let carried = massless.replace("<parent link=\"lower\"/>", "<parent link=\"upper\"/>");
+    assert_eq!(read(&carried).unwrap().doubts, []);
+}
+
+#[test]
+fn a_file_in_another_encoding_is_read() {
+    let folder = thetahat_testing::Folder::new();
+    let text = ARM.replace("<?xml version=\"1.0\"?>", "<?xml version=\"1.0\" encoding=\"utf-16\"?>");
+    let bytes: Vec<u8> = format!("\u{feff}{text}").encode_utf16().flat_map(u16::to_le_bytes).collect();
+    folder.write("arm.urdf", bytes);
+    assert_eq!(Robot::read(&folder.at("arm.urdf")).unwrap().link_count(), 2);
+    folder.write("bad.urdf", b"<robot name=\"arm\">\n<link name=\"\xe4\"/></robot>");
+    let error = Robot::read(&folder.at("bad.urdf")).unwrap_err();
+    assert!(matches!(error, RobotError::Encoding { line: 2, .. }), "{error}");
+}
+
+#[test]
+fn transmissions_of_hardware_interfaces_are_skipped() {
+    let interface = |kind: &str, joints: &str| {
+        let state =
+            format!("<transmission name=\"s\"><type>{kind}</type>{joints}<actuator name=\"m\"/></transmission>");
+        read(&ARM.replace("<gazebo", &format!("{state}<gazebo")))
+    };
+    let both = "<joint name=\"shoulder\"/><joint name=\"elbow\"/>";
+    assert_eq!(interface("maker/StateInterface", both).unwrap(), read(ARM).unwrap());
+    let coupled = interface("transmission_interface/DifferentialTransmission", both).unwrap_err().to_string();
+    assert!(coupled.contains("couples several"), "{coupled}");
+}
+
+#[test]
+fn xml_that_other_readers_accept_is_refused_with_a_remedy() {
+    let message = |text: &str| read(text).unwrap_err().to_string();
+    let prefix = message(&ARM.replace("<link name=\"base\"/>", "<drake:rigid/><link name=\"base\"/>"));
+    assert!(prefix.contains("line 5") && prefix.contains("add xmlns:drake=\"...\" to the root element"), "{prefix}");
+    let blank = message(&format!("\n{ARM}"));
+    assert!(blank.contains("remove what stands before `<?xml`"), "{blank}");
+    let comment = message(&ARM.replace("looks are", "looks -- are"));
+    assert!(comment.contains("line 3"), "{comment}");
 }

@@ -1,26 +1,163 @@
+//! What the `<transmission>`s of a file say about the drive of each joint. They are children of `<robot>`, as in ROS 1, or
+//! of a `<ros2_control>`.
+
 use super::{UrdfError, element::Element, structure};
 
-/// The reduction of each joint named, one if none is given. Transmissions whose joints are all locked are ignored.
-pub(super) fn reductions(
-    robot: Element<'_>,
+/// Spellings of the reduction: the first of ROS 1, the second of ROS 2.
+const REDUCTION: [&str; 2] = ["mechanicalReduction", "mechanical_reduction"];
+/// Spellings of the motor's inertia, kg m^2 about its own axis.
+const MOTOR_INERTIA: [&str; 4] = ["motorInertia", "motor_inertia", "rotor_inertia", "rotorInertia"];
+/// Drake's reduction between the rotor of a `rotor_inertia` and the joint.
+const ROTOR_RATIO: [&str; 1] = ["gear_ratio"];
+
+/// The drive of a joint as its transmissions state it.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Drive<'a> {
+    reduction: Option<f64>,
+    rotor_ratio: Option<f64>,
+    motor_inertia: Option<f64>,
+    offset: Option<f64>,
+    /// The element that states the motor's inertia.
+    inertia_element: Option<Element<'a>>,
+}
+
+impl Drive<'_> {
+    /// Motor positions per joint position.
+    pub(super) fn reduction(&self) -> f64 {
+        self.reduction.unwrap_or(1.0)
+    }
+
+    /// The joint's position at the motor's zero, rad or m.
+    pub(super) fn offset(&self) -> f64 {
+        self.offset.unwrap_or(0.0)
+    }
+
+    /// The inertia of the motor seen at the joint: `N^2 J`.
+    pub(super) fn inertia_at_joint(&self) -> Option<f64> {
+        let ratio = self.rotor_ratio.unwrap_or_else(|| self.reduction());
+        self.motor_inertia.map(|inertia| ratio * ratio * inertia).filter(|inertia| inertia.is_finite())
+    }
+
+    /// The place of an inertia that is stated.
+    pub(super) fn inertia_place(&self) -> Option<String> {
+        self.inertia_element.map(|element| element.place().to_string())
+    }
+}
+
+/// The drive of each joint named. Transmissions whose joints are all locked are ignored.
+pub(super) fn drives<'a>(
+    robot: Element<'a>,
     joints: &[&str],
     is_locked: &dyn Fn(&str) -> bool,
-) -> Result<Vec<f64>, UrdfError> {
-    let mut found: Vec<Option<f64>> = vec![None; joints.len()];
-    for transmission in robot.elements().filter(|e| e.tag() == "transmission") {
-        if refuse_coupling_with_locked(transmission, is_locked)? {
+) -> Result<Vec<Drive<'a>>, UrdfError> {
+    let mut drives = vec![Drive::default(); joints.len()];
+    for transmission in transmissions(robot) {
+        if refuse_coupling_with_locked(transmission.element, is_locked)? {
             continue;
         }
-        let Some((joint, element)) = joint_of(transmission)? else { continue };
+        if transmission.is_only_an_interface() {
+            continue;
+        }
+        let Some((joint, element)) = joint_of(transmission.element)? else { continue };
         let place = joints.iter().position(|name| *name == joint);
         let place = place.ok_or_else(|| structure::unknown(element, "joint", joint, joints.iter()))?;
-        let Some(reduction) = reduction(transmission)? else { continue };
-        if found[place].replace(reduction).is_some_and(|other| other != reduction) {
-            let problem = format!("gives joint `{joint}` a second, different reduction");
-            return Err(UrdfError::Transmission { place: transmission.place(), problem });
-        }
+        let found = transmission.drive()?;
+        merge(&mut drives[place], found).map_err(|quantity| UrdfError::Transmission {
+            place: transmission.element.place(),
+            problem: format!("gives joint `{joint}` a second, different {quantity}"),
+        })?;
     }
-    Ok(found.into_iter().map(|reduction| reduction.unwrap_or(1.0)).collect())
+    Ok(drives)
+}
+
+/// The elements that state a motor's inertia.
+pub(super) fn motor_inertias(robot: Element<'_>) -> Vec<Element<'_>> {
+    transmissions(robot).filter_map(|transmission| transmission.find(&MOTOR_INERTIA)).collect()
+}
+
+/// A `<transmission>`, and whether a `<ros2_control>` holds it.
+#[derive(Clone, Copy)]
+struct TransmissionElement<'a> {
+    element: Element<'a>,
+    of_ros2_control: bool,
+}
+
+fn transmissions(robot: Element<'_>) -> impl Iterator<Item = TransmissionElement<'_>> {
+    let blocks = robot.elements().filter(|e| e.tag() == "ros2_control");
+    children_of(robot, false).chain(blocks.flat_map(|block| children_of(block, true)))
+}
+
+fn children_of(parent: Element<'_>, of_ros2_control: bool) -> impl Iterator<Item = TransmissionElement<'_>> {
+    let own = parent.elements().filter(|e| e.tag() == "transmission");
+    own.map(move |element| TransmissionElement { element, of_ros2_control })
+}
+
+impl<'a> TransmissionElement<'a> {
+    /// Whether it names several joints without a coupling, as those of hardware interfaces do: it has no reduction, and no
+    /// type that couples joints.
+    fn is_only_an_interface(&self) -> bool {
+        let several = self.element.elements().filter(|e| e.tag() == "joint").count() > 1;
+        let couples = |e: Element<'_>| e.text().contains("Differential") || e.text().contains("FourBar");
+        let states = |e: Element<'_>| REDUCTION.contains(&e.tag()) || ROTOR_RATIO.contains(&e.tag());
+        several && !self.element.descendants().any(|e| couples(e) || states(e))
+    }
+
+    fn drive(&self) -> Result<Drive<'a>, UrdfError> {
+        let inertia_element = self.find(&MOTOR_INERTIA);
+        let offset = self.element.child("joint").and_then(|joint| joint.child("offset"));
+        Ok(Drive {
+            reduction: self.find(&REDUCTION).map(ratio).transpose()?,
+            rotor_ratio: self.find(&ROTOR_RATIO).map(ratio).transpose()?,
+            motor_inertia: inertia_element.map(inertia).transpose()?,
+            offset: offset.map(Element::bounded_content).transpose()?,
+            inertia_element,
+        })
+    }
+
+    /// The first child of one of these names: of the actuator, or of the joint or the transmission itself, as in older files.
+    /// ROS 2 reads the reduction of the joint.
+    fn find(&self, names: &[&str]) -> Option<Element<'a>> {
+        let (actuator, joint) = (self.element.child("actuator"), self.element.child("joint"));
+        let first = if self.of_ros2_control { [joint, actuator] } else { [actuator, joint] };
+        let owners = first.into_iter().chain([Some(self.element)]).flatten();
+        owners.flat_map(|owner| names.iter().filter_map(move |name| owner.child(name))).next()
+    }
+}
+
+fn ratio(element: Element<'_>) -> Result<f64, UrdfError> {
+    match element.bounded_content()? {
+        0.0 => Err(element.value("the text", "a ratio other than zero", "0")),
+        ratio => Ok(ratio),
+    }
+}
+
+fn inertia(element: Element<'_>) -> Result<f64, UrdfError> {
+    let inertia = element.bounded_content()?;
+    if inertia >= 0.0 {
+        return Ok(inertia);
+    }
+    Err(element.value("the text", "the inertia of a motor in kg m^2, zero or more", &inertia.to_string()))
+}
+
+/// Adds what another transmission says about the joint.
+///
+/// # Errors
+/// The quantity in which the two differ.
+fn merge<'a>(drive: &mut Drive<'a>, found: Drive<'a>) -> Result<(), &'static str> {
+    let merged = |before: &mut Option<f64>, now: Option<f64>, quantity| match (*before, now) {
+        (Some(a), Some(b)) if a != b => Err(quantity),
+        (None, Some(_)) => {
+            *before = now;
+            Ok(())
+        }
+        (Some(_), _) | (None, None) => Ok(()),
+    };
+    merged(&mut drive.reduction, found.reduction, "reduction")?;
+    merged(&mut drive.rotor_ratio, found.rotor_ratio, "gear ratio")?;
+    merged(&mut drive.motor_inertia, found.motor_inertia, "motor inertia")?;
+    merged(&mut drive.offset, found.offset, "offset")?;
+    drive.inertia_element = drive.inertia_element.or(found.inertia_element);
+    Ok(())
 }
 
 /// Whether all joints of a transmission are locked.
@@ -44,15 +181,4 @@ fn joint_of(transmission: Element<'_>) -> Result<Option<(&str, Element<'_>)>, Ur
     }
     let Some(joint) = transmission.child("joint") else { return Ok(None) };
     Ok(Some((joint.required("name", "name the joint of the transmission")?, joint)))
-}
-
-/// `<mechanicalReduction>` of the actuator, or, as in older files, of the joint or the transmission itself.
-fn reduction(transmission: Element<'_>) -> Result<Option<f64>, UrdfError> {
-    let owners = [transmission.child("actuator"), transmission.child("joint"), Some(transmission)];
-    let element = owners.into_iter().flatten().find_map(|owner| owner.child("mechanicalReduction"));
-    let Some(element) = element else { return Ok(None) };
-    match element.text_number()? {
-        0.0 => Err(element.value("the text", "a ratio other than zero", "0")),
-        reduction => Ok(Some(reduction)),
-    }
 }

@@ -1,0 +1,195 @@
+use std::collections::BTreeMap;
+
+use super::{
+    UrdfError,
+    element::{Element, shortened},
+    joints::{JointElement, Moving},
+    links,
+    structure::{Structure, unknown},
+    transmissions::{self, Drive},
+};
+use crate::robot::{
+    Doubt, INERTIAL, Joint, Mimic, Placement, Transmission,
+    body::{Frame, RigidBody},
+    tree,
+};
+use thetahat_ground::{
+    linear_algebra::Matrix,
+    vector::{product, times, transpose},
+};
+
+/// The robot under construction, from the base, joint by joint.
+pub(super) struct Assembly<'s, 'a> {
+    links: &'s [Element<'a>],
+    /// The carrier of each link, once it is reached.
+    pub(super) places: Vec<Option<LinkPlace>>,
+    pub(super) joints: Vec<Joint>,
+    moving: Vec<&'s Moving<'a>>,
+    /// The body of each joint's link, with everything fixed to it.
+    bodies: Vec<RigidBody>,
+    /// The index of that link.
+    moved_links: Vec<usize>,
+}
+
+/// The moving joint that carries a link, none for the base, and the link's frame in the frame of the carrier's own
+/// link.
+#[derive(Clone, Copy)]
+pub(super) struct LinkPlace {
+    pub(super) carrier: Option<usize>,
+    pub(super) frame: Frame,
+}
+
+impl<'s, 'a> Assembly<'s, 'a> {
+    pub(super) fn new(structure: &'s Structure<'a>) -> Self {
+        let mut places = vec![None; structure.link_count()];
+        if let Some(root) = places.get_mut(structure.root) {
+            *root = Some(LinkPlace { carrier: None, frame: Frame::SAME });
+        }
+        Self {
+            links: &structure.links,
+            places,
+            joints: Vec::new(),
+            moving: Vec::new(),
+            bodies: Vec::new(),
+            moved_links: Vec::new(),
+        }
+    }
+
+    pub(super) fn add(&mut self, joint: &'s JointElement<'a>, parent: usize, child: usize) -> Result<(), UrdfError> {
+        let Some(LinkPlace { carrier, frame }) = self.places[parent] else { return Ok(()) };
+        let frame = frame.then(&joint.frame);
+        let body = links::body_of(self.links[child])?;
+        self.places[child] = Some(match &joint.moving {
+            None => {
+                if let Some(carrier) = carrier {
+                    self.bodies[carrier].absorb(&body.seen_in(&frame));
+                }
+                LinkPlace { carrier, frame }
+            }
+            Some(moving) => {
+                self.joints.push(self.joint(joint.name, moving, carrier, &frame));
+                self.moving.push(moving);
+                self.bodies.push(body);
+                self.moved_links.push(child);
+                LinkPlace { carrier: Some(self.joints.len() - 1), frame: Frame::SAME }
+            }
+        });
+        Ok(())
+    }
+
+    /// The joint's frame is the link's, rotated so that z is the axis; so is the frame of its carrier.
+    fn joint(&self, name: &str, moving: &Moving<'a>, carrier: Option<usize>, frame: &Frame) -> Joint {
+        let rotation = product(&frame.rotation, &moving.axes);
+        let (rotation, origin) = match carrier.and_then(|c| self.joints[c].link_axes) {
+            None => (rotation, frame.origin),
+            Some(axes) => (product(&axes, &rotation), times(&axes, frame.origin)),
+        };
+        Joint {
+            name: name.to_owned(),
+            kind: moving.kind,
+            parent: carrier,
+            placement: Placement::new(&rotation, origin),
+            link_axes: (!moving.has_link_axes()).then(|| transpose(&moving.axes)),
+            mimic: None,
+            limits: moving.limits,
+        }
+    }
+
+    /// Resolves the `<mimic>` of joints.
+    pub(super) fn follow(&mut self) -> Result<(), UrdfError> {
+        let mimics = self.moving.iter().map(|m| self.mimic(m)).collect::<Result<Vec<_>, _>>()?;
+        let resolved = tree::resolve_mimics(&mimics).map_err(|joint| self.follows_itself(joint))?;
+        self.joints.iter_mut().zip(resolved).for_each(|(joint, mimic)| joint.mimic = mimic);
+        Ok(())
+    }
+
+    fn mimic(&self, moving: &Moving<'_>) -> Result<Option<Mimic>, UrdfError> {
+        let Some(mimic) = &moving.mimic else { return Ok(None) };
+        match self.joints.iter().position(|joint| joint.name == mimic.joint) {
+            Some(of) => Ok(Some(Mimic { of, ratio: mimic.ratio, offset: mimic.offset })),
+            None => {
+                let names: Vec<&str> = self.joints.iter().map(|j| j.name.as_str()).collect();
+                Err(unknown(mimic.element, "moving joint", mimic.joint, names.iter()))
+            }
+        }
+    }
+
+    fn follows_itself(&self, joint: usize) -> UrdfError {
+        let mimic = self.moving[joint].mimic.as_ref();
+        let place = mimic.map_or_else(|| self.links[0].place(), |mimic| mimic.element.place());
+        let joint = mimic.map_or(String::new(), |mimic| mimic.joint.to_owned());
+        UrdfError::Mimic {
+            place,
+            joint,
+            problem: "it follows itself in the end, or by a ratio beyond 1e9; one joint must follow none",
+        }
+    }
+
+    pub(super) fn coordinates(&self) -> impl Iterator<Item = &Joint> {
+        self.joints.iter().filter(|joint| joint.mimic.is_none())
+    }
+
+    /// The body of each link that a joint moves, with everything fixed to it.
+    pub(super) fn moved_bodies(&self) -> Vec<Option<RigidBody>> {
+        let mut bodies = vec![None; self.links.len()];
+        for (body, link) in self.bodies.iter().zip(&self.moved_links) {
+            if let Some(place) = bodies.get_mut(*link) {
+                *place = Some(*body);
+            }
+        }
+        bodies
+    }
+
+    /// The drive of each joint of the file, with its name.
+    pub(super) fn drives(
+        &self,
+        robot: Element<'a>,
+        structure: &Structure<'a>,
+        locked: &[Option<f64>],
+    ) -> Result<Vec<(&'a str, Drive<'a>)>, UrdfError> {
+        let names: Vec<&str> = structure.joints.iter().map(|joint| joint.name).collect();
+        let is_locked = |name: &str| self.joints.iter().zip(locked).any(|(j, v)| v.is_some() && j.name == name);
+        let drives = transmissions::drives(robot, &names, &is_locked)?;
+        Ok(structure.joints.iter().map(|joint| joint.name).zip(drives).collect())
+    }
+
+    pub(super) fn transmission(&self, drives: &[(&str, Drive<'_>)]) -> Transmission {
+        let of = |joint: &Joint| drives.iter().find(|(name, _)| *name == joint.name);
+        let drive = |joint: &Joint| of(joint).map(|(_, drive)| *drive).unwrap_or_default();
+        let drives: Vec<Drive<'_>> = self.coordinates().map(drive).collect();
+        let n = drives.len();
+        let matrix = Matrix::from_fn(n, n, |i, j| if i == j { drives[i].reduction() } else { 0.0 });
+        let offset = drives.iter().map(Drive::offset).collect();
+        Transmission::new(matrix, offset, vec![1.0; n]).unwrap_or_else(|| Transmission::direct(n))
+    }
+
+    /// The a-priori inertias of the motors, seen at their joints.
+    pub(super) fn motor_inertias(&self, drives: &[(&str, Drive<'_>)]) -> Vec<(String, f64)> {
+        let number = |name: &str| self.joints.iter().position(|joint| joint.name == name);
+        let inertia = |(name, drive): &(&str, Drive<'_>)| Some((number(name)?, drive.inertia_at_joint()?));
+        let nonzero = drives.iter().filter_map(inertia).filter(|(_, inertia)| *inertia != 0.0);
+        nonzero.map(|(joint, inertia)| (format!("ia{}", joint + 1), inertia)).collect()
+    }
+
+    /// Notes of the motor inertias of joints that do not move.
+    pub(super) fn unused_inertias(&self, drives: &[(&str, Drive<'_>)]) -> Vec<Doubt> {
+        let is_fixed = |name: &str| self.joints.iter().all(|joint| joint.name != name);
+        let note = |(name, drive): &(&str, Drive<'_>)| {
+            let what = format!("the motor inertia is not used, since joint `{}` is fixed", shortened(name));
+            Some(Doubt::note(drive.inertia_place()?, what, "remove the transmission, or let the joint move"))
+        };
+        drives.iter().filter(|(name, _)| is_fixed(name)).filter_map(note).collect()
+    }
+
+    /// The inertial parameters and friction that differ from zero.
+    pub(super) fn a_priori(&self) -> BTreeMap<String, f64> {
+        let mut values = BTreeMap::new();
+        for (k, (body, moving)) in self.bodies.iter().zip(&self.moving).enumerate() {
+            let inertial = INERTIAL.iter().map(|quantity| quantity.name()).zip(body.parameters());
+            let [viscous, coulomb] = moving.friction;
+            let all = inertial.chain([("fv", viscous), ("fc", coulomb)]).filter(|(_, value)| *value != 0.0);
+            values.extend(all.map(|(name, value)| (format!("{name}{}", k + 1), value)));
+        }
+        values
+    }
+}
