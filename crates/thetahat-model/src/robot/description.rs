@@ -31,7 +31,7 @@ pub struct Robot {
     pub a_priori: BTreeMap<String, f64>,
     /// Joints of the description that were locked and are no longer joints of this robot.
     pub locked: Vec<LockedJoint>,
-    /// Physically impossible values in its description.
+    /// Physically impossible values in its description, and what it states beyond a robot.
     pub doubts: Vec<Doubt>,
     /// Descriptions of torque terms in addition to those of links and drives; [`Robot::add_terms`] adds them.
     pub term_descriptions: Vec<TermDescription>,
@@ -39,16 +39,17 @@ pub struct Robot {
     pub terms: Vec<TermColumn>,
 }
 
-/// A physically impossible value in a description that is used unchanged: for example a negative mass in a URDF.
+/// A physically impossible value in a description that is used unchanged, for example a negative mass; or something in it that
+/// a [`Robot`] cannot hold, for example a free joint of an MJCF.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Doubt {
     /// File, line and element.
     pub place: String,
     /// What it is, in words.
     pub what: String,
-    /// The impossible value.
+    /// The impossible value, or the number of elements that are left out.
     pub value: f64,
-    /// Its unit.
+    /// The unit of the value; empty for a number of elements.
     pub unit: &'static str,
     /// What to do.
     pub remedy: &'static str,

@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use super::{locking::LockError, terms::TermError, urdf::UrdfError};
+use super::{locking::LockError, mjcf::MjcfError, terms::TermError, urdf::UrdfError};
 
 /// Why a robot description cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -69,6 +69,9 @@ pub enum RobotError {
     /// A URDF that cannot be used.
     #[error(transparent)]
     Urdf(#[from] UrdfError),
+    /// An MJCF that cannot be used.
+    #[error(transparent)]
+    Mjcf(#[from] MjcfError),
     /// Joints that cannot be locked.
     #[error("{}: {source}", path.display())]
     Lock {

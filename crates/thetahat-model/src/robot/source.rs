@@ -9,7 +9,7 @@ use super::{
     description::Robot,
     error::RobotError,
     locking::{Locks, LocksOf, merged, resolve_all},
-    toml_file, urdf,
+    mjcf, toml_file, urdf,
 };
 use thetahat_ground::{digest::sha256, files};
 
@@ -34,16 +34,19 @@ impl RobotFile {
     }
 }
 
-/// The complete text of a robot: including the text of the URDF that a TOML refers to.
+/// The complete text of a robot: including the text of the URDF or MJCF that a TOML refers to, and of what an MJCF includes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RobotSource {
     path: PathBuf,
     text: String,
+    /// The URDF or MJCF that a TOML refers to.
     urdf: Option<(PathBuf, String)>,
+    /// The files of the MJCF, if it includes others.
+    origins: mjcf::Origins,
 }
 
 impl RobotSource {
-    /// Reads the description, and the URDF that it refers to.
+    /// Reads the description, and the URDF or MJCF that it refers to.
     ///
     /// # Errors
     /// [`RobotError`] for a file that cannot be read.
@@ -51,18 +54,27 @@ impl RobotSource {
         Self::from_text(read_text(path)?, path)
     }
 
-    /// A description from its text; `path` is its name in messages, and its key `urdf` is relative to its folder.
+    /// A description from its text; `path` is its name in messages, and its key `urdf` and the files that an MJCF includes are
+    /// relative to its folder.
     ///
     /// # Errors
     /// As [`RobotSource::read`].
     pub fn from_text(text: String, path: &Path) -> Result<Self, RobotError> {
         let urdf = if is_xml(&text) { None } else { toml_file::urdf_of(&text, path)? };
-        let urdf = match urdf {
-            Some(toml_file::Urdf::File(file)) => Some((file.clone(), read_text(&file)?)),
-            Some(toml_file::Urdf::Text(name, text)) => Some((name, text)),
-            None => None,
+        let path = path.to_owned();
+        let (text, urdf, origins) = match urdf {
+            Some(toml_file::Urdf::File(file)) => {
+                let (below, origins) = joined(read_text(&file)?, &file)?;
+                (text, Some((file, below)), origins)
+            }
+            // An embedded text is complete.
+            Some(toml_file::Urdf::Text(name, below)) => (text, Some((name, below)), mjcf::Origins::default()),
+            None => {
+                let (text, origins) = joined(text, &path)?;
+                (text, None, origins)
+            }
         };
-        Ok(Self { path: path.to_owned(), text, urdf })
+        Ok(Self { path, text, urdf, origins })
     }
 
     /// The file of the description.
@@ -71,34 +83,58 @@ impl RobotSource {
         &self.path
     }
 
-    /// The file of the URDF that a TOML refers to.
+    /// The file of the URDF or MJCF that a TOML refers to.
     #[must_use]
     pub fn urdf_path(&self) -> Option<&Path> {
         self.urdf.as_ref().map(|(path, _)| path.as_path())
     }
 
-    /// The files, the description first and then the URDF that it refers to. For a text with an embedded URDF, as made by
-    /// [`RobotSource::to_text`], only the URDF.
+    /// The files, the description first, then the URDF or MJCF that it refers to and the files that the MJCF includes. For a
+    /// text with an embedded URDF or MJCF, as made by [`RobotSource::to_text`], only that.
     #[must_use]
     pub fn files(&self) -> Vec<RobotFile> {
-        let own = (!toml_file::has_embedded_urdf(&self.text)).then(|| RobotFile::new(&self.path, &self.text));
-        own.into_iter().chain(self.urdf.iter().map(|(path, text)| RobotFile::new(path, text))).collect()
+        let own = (!toml_file::has_embedded_urdf(&self.text)).then_some((&self.path, &self.text));
+        let mut files: Vec<(&PathBuf, &String)> =
+            own.into_iter().chain(self.urdf.iter().map(|(path, text)| (path, text))).collect();
+        if !self.origins.files().is_empty() {
+            // The MJCF with the texts that it includes is no file.
+            files.pop();
+            files.extend(self.origins.files().iter().map(|(path, text)| (path, text)));
+        }
+        files.into_iter().map(|(path, text)| RobotFile::new(path, text)).collect()
     }
 
-    /// The text of the URDF that the robot is read from; none if a TOML defines the joints.
+    /// The text of the URDF that the robot is read from; none if a TOML defines the joints, and for an MJCF.
     #[must_use]
     pub fn urdf_text(&self) -> Option<&str> {
+        self.xml().filter(|text| !mjcf::is_mjcf(text))
+    }
+
+    /// The text of the MJCF that the robot is read from, with what it includes; none for other descriptions.
+    #[must_use]
+    pub fn mjcf_text(&self) -> Option<&str> {
+        self.xml().filter(|text| mjcf::is_mjcf(text))
+    }
+
+    fn xml(&self) -> Option<&str> {
         let own = is_xml(&self.text).then_some(&self.text);
         own.or(self.urdf.as_ref().map(|(_, text)| text)).map(String::as_str)
     }
 
-    /// The kind of description in words: `URDF`, `TOML` or `TOML on URDF`.
+    /// The kind of description in words: `URDF`, `MJCF`, `TOML`, `TOML on URDF` or `TOML on MJCF`.
     #[must_use]
     pub fn format(&self) -> &'static str {
-        match &self.urdf {
-            _ if is_xml(&self.text) => "URDF",
-            None => "TOML",
-            Some(_) => "TOML on URDF",
+        match (&self.urdf, self.mjcf_text().is_some()) {
+            (_, is_mjcf) if is_xml(&self.text) => {
+                if is_mjcf {
+                    "MJCF"
+                } else {
+                    "URDF"
+                }
+            }
+            (None, _) => "TOML",
+            (Some(_), false) => "TOML on URDF",
+            (Some(_), true) => "TOML on MJCF",
         }
     }
 
@@ -119,7 +155,7 @@ impl RobotSource {
         self.read_with(&[LocksOf { path, locks }])
     }
 
-    /// The robot without the transmissions of a URDF, which may couple joints.
+    /// The robot without the transmissions of a URDF, which may couple joints, or the gears of an MJCF.
     ///
     /// # Errors
     /// As [`RobotSource::robot`].
@@ -133,9 +169,13 @@ impl RobotSource {
 
     fn read_as(&self, transmissions: urdf::Transmissions, locks: &[LocksOf<'_>]) -> Result<Robot, RobotError> {
         if !is_xml(&self.text) {
-            return toml_file::read(&self.text, &self.path, self.urdf.as_ref(), transmissions, locks);
+            let below = self.urdf.as_ref().map(|(path, text)| toml_file::Below { path, text, origins: &self.origins });
+            return toml_file::read(&self.text, &self.path, below, transmissions, locks);
         }
-        let whole = urdf::read(&self.text, &self.path, transmissions, locks)?;
+        let whole = match mjcf::is_mjcf(&self.text) {
+            true => mjcf::read(&self.text, &self.path, &self.origins, transmissions)?,
+            false => urdf::read(&self.text, &self.path, transmissions, locks)?,
+        };
         let values = resolve_all(&whole.joints, locks)?;
         merged(&whole, &values).map_err(|source| RobotError::lock(&self.path, source))
     }
@@ -153,7 +193,8 @@ impl RobotSource {
 }
 
 impl Robot {
-    /// Reads a robot description: URDF if its text starts with `<`, otherwise TOML, which may refer to a URDF.
+    /// Reads a robot description: if its text starts with `<`, an MJCF with the root element `<mujoco>` or a URDF, otherwise TOML,
+    /// which may refer to one of them.
     ///
     /// # Errors
     /// [`RobotError`], with the file and the line or key.
@@ -162,13 +203,18 @@ impl Robot {
     }
 
     /// Reads a robot description from its text, as for [`Robot::read`] or from [`RobotSource::to_text`]; `path` is its name in
-    /// messages, and the key `urdf` of a TOML is relative to its folder.
+    /// messages, and the key `urdf` of a TOML and the files that an MJCF includes are relative to its folder.
     ///
     /// # Errors
     /// As [`Robot::read`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, RobotError> {
         RobotSource::from_text(text.to_owned(), path)?.robot()
     }
+}
+
+/// An MJCF with what it includes; other texts unchanged.
+fn joined(text: String, path: &Path) -> Result<(String, mjcf::Origins), RobotError> {
+    if mjcf::is_mjcf(&text) { mjcf::join(text, path, &read_text) } else { Ok((text, mjcf::Origins::default())) }
 }
 
 fn is_xml(text: &str) -> bool {
