@@ -85,9 +85,10 @@ impl<'a> Actuators<'a> {
         self.of_joint(joint).map(|drive| drive.gear * drive.gear * drive.armature).sum()
     }
 
-    /// The sum of the damping of a joint's actuators, at the joint: by the velocity, its square and its cube.
+    /// The sum of the damping of a joint's actuators, at the joint: by the velocity, its square and its cube. MuJoCo multiplies each
+    /// by the square of the gear.
     pub(super) fn damping(&self, joint: usize) -> [f64; 3] {
-        let factor = |drive: &Drive<'_>, power: usize| drive.gear.abs().powi(power as i32 + 2) * drive.damping[power];
+        let factor = |drive: &Drive<'_>, power: usize| drive.gear * drive.gear * drive.damping[power];
         [0, 1, 2].map(|power| self.of_joint(joint).map(|drive| factor(drive, power)).sum())
     }
 

@@ -24,10 +24,8 @@ pub(super) struct Lump {
 impl Lump {
     const NOTHING: Self = Self { mass: 0.0, centre: [0.0; 3], inertia: [[0.0; 3]; 3] };
 
+    /// Of a body with a mass.
     fn of(body: &RigidBody) -> Self {
-        if body.m == 0.0 {
-            return Self { inertia: body.inertia, ..Self::NOTHING };
-        }
         let centre = scale(1.0 / body.m, body.ms);
         let about_centre = Frame { rotation: IDENTITY, origin: scale(-1.0, centre) };
         Self { mass: body.m, centre, inertia: body.seen_in(&about_centre).inertia }
@@ -44,9 +42,11 @@ impl Lump {
     }
 
     fn within_bounds(mut self, settings: &Settings) -> Self {
-        self.mass = self.mass.max(settings.least_mass);
+        // A bound of zero is none: impossible values stay, and are among the doubts.
+        let raised = |value: f64, bound: f64| if bound > 0.0 { value.max(bound) } else { value };
+        self.mass = raised(self.mass, settings.least_mass);
         let principal = Principal::of(&self.inertia);
-        let raised = principal.values.map(|value| value.max(settings.least_inertia));
+        let raised = principal.values.map(|value| raised(value, settings.least_inertia));
         let balanced = if settings.balances { balanced(raised) } else { raised };
         if balanced != principal.values {
             self.inertia = principal.with(balanced);
@@ -72,6 +72,8 @@ pub(super) fn lump_of<'a>(body: &Body<'a>, settings: &Settings, classes: &Classe
     let found = match body.inertial {
         // Geoms without mass replace no <inertial>.
         Some(inertial) if of_geoms.m == 0.0 => stated(&inertial, settings)?,
+        // MuJoCo places the mass that a bound gives to an empty body as if the body's pose were that of its inertia.
+        None if of_geoms.m == 0.0 => Lump { centre: body.frame.origin, ..Lump::NOTHING },
         Some(_) | None => Lump::of(&of_geoms),
     };
     Ok(found.within_bounds(settings))

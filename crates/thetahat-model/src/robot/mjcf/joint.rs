@@ -60,7 +60,9 @@ impl<'a> JointElement<'a> {
                 return Err(part.element.unsupported(why));
             }
             _ => {
-                return Err(kind.map_or_else(|| part.element.unsupported(""), |k| k.wrong("hinge, slide, ball or free")));
+                return Err(
+                    kind.map_or_else(|| part.element.unsupported(""), |k| k.wrong("hinge, slide, ball or free"))
+                );
             }
         };
         let coordinate = |value: f64| match kind {

@@ -35,3 +35,8 @@ pub use error::MjcfError;
 
 pub(super) use joined::{Origins, join};
 pub(super) use reader::{is_mjcf, read};
+
+#[cfg(test)]
+mod reference;
+#[cfg(test)]
+mod tests;
