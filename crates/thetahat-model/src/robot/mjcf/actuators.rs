@@ -1,11 +1,14 @@
 //! Drives: the gears, armatures and damping of actuators on joints.
 
+use std::collections::HashSet;
+
 use super::{
     classes::{Classes, MAIN, Properties},
     compiler::Settings,
-    element::Element,
+    element::{Element, elements_of},
     error::MjcfError,
     joint::limits,
+    world::World,
 };
 use crate::robot::{Joint, Transmission};
 use thetahat_ground::linear_algebra::Matrix;
@@ -57,9 +60,12 @@ impl<'a> Actuators<'a> {
         settings: &Settings,
         classes: &Classes<'a>,
         joints: &[Joint],
+        world: &World<'a>,
     ) -> Result<Self, MjcfError> {
+        let parts = world.bodies.iter().flat_map(|body| &body.joints);
+        let stated: HashSet<&str> = parts.filter_map(|part| part.element.text_of("name")).collect();
         let mut actuators = Self { drives: Vec::new(), others: Vec::new() };
-        for element in root.named("actuator").flat_map(Element::elements) {
+        for element in elements_of(root, "actuator")? {
             if !TAGS.contains(&element.tag()) {
                 continue;
             }
@@ -68,8 +74,10 @@ impl<'a> Actuators<'a> {
                 actuators.others.push(element);
                 continue;
             };
-            // A free joint is not among the joints: its actuators are left out with it.
-            let Some(joint) = joints.iter().position(|joint| joint.name == name) else { continue };
+            let Some(joint) = joints.iter().position(|joint| joint.name == name) else {
+                // A free joint is not among the joints: its actuators are left out with it.
+                if stated.contains(name) { continue } else { return Err(element.unknown("joint", name)) }
+            };
             let properties = classes.of(element, MAIN, &TAGS)?;
             actuators.drives.push(Drive::read(&properties, joint, settings)?);
         }

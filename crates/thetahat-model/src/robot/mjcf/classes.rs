@@ -12,6 +12,8 @@ pub(super) const MAIN: &str = "main";
 /// Most classes, and how deep they are nested.
 const MOST_CLASSES: usize = 5000;
 const DEEPEST: usize = 50;
+/// Most elements of one class: there are thirty kinds.
+const MOST_ELEMENTS: usize = 100;
 
 /// The classes of a model.
 pub(super) struct Classes<'a> {
@@ -35,8 +37,14 @@ pub(super) struct Properties<'a> {
 impl<'a> Classes<'a> {
     pub(super) fn read(root: Element<'a>) -> Result<Self, MjcfError> {
         let main = Class { outer: None, depth: 0, defaults: root.named("default").collect() };
+        main.defaults.iter().try_for_each(|default| check_size(*default))?;
         let mut waiting: Vec<(Element<'a>, &'a str, usize)> = nested(&main.defaults, MAIN, 1);
+        let renamed: Vec<&str> = main.defaults.iter().filter_map(|default| default.text_of("class")).collect();
         let mut classes = HashMap::from([(MAIN, main)]);
+        // The outermost class may have another name in models for older versions of MuJoCo.
+        for name in renamed.into_iter().filter(|name| *name != MAIN) {
+            classes.insert(name, Class { outer: Some(MAIN), depth: 1, defaults: Vec::new() });
+        }
         while let Some((default, outer, depth)) = waiting.pop() {
             let name = default.required("class", "give every nested <default> a class")?.text;
             if classes.len() >= MOST_CLASSES || depth > DEEPEST {
@@ -44,6 +52,7 @@ impl<'a> Classes<'a> {
                     if depth > DEEPEST { ("nested classes", DEEPEST) } else { ("classes", MOST_CLASSES) };
                 return Err(MjcfError::TooLarge { path: default.path().to_owned(), what, limit });
             }
+            check_size(default)?;
             waiting.extend(nested(&[default], name, depth + 1));
             let class = Class { outer: Some(outer), depth, defaults: vec![default] };
             if let Some(first) = classes.insert(name, class).and_then(|first| first.defaults.first().copied()) {
@@ -70,6 +79,13 @@ impl<'a> Classes<'a> {
         }
         Ok(Properties { levels })
     }
+}
+
+/// An attribute is searched in all elements of a class.
+fn check_size(default: Element<'_>) -> Result<(), MjcfError> {
+    let count = default.elements().filter(|element| element.tag() != "default").count();
+    let (path, what) = (default.path().to_owned(), "elements in one class");
+    if count > MOST_ELEMENTS { Err(MjcfError::TooLarge { path, what, limit: MOST_ELEMENTS }) } else { Ok(()) }
 }
 
 fn nested<'a>(defaults: &[Element<'a>], outer: &'a str, depth: usize) -> Vec<(Element<'a>, &'a str, usize)> {

@@ -10,6 +10,8 @@ use thetahat_ground::visible::visible;
 
 /// Most characters of a name or value in messages.
 const SHOWN: usize = 60;
+/// Most elements of all sections of one kind.
+const MOST_ELEMENTS: usize = 10_000;
 
 /// A text and the files that it is from.
 #[derive(Debug)]
@@ -189,4 +191,17 @@ pub(super) fn shortened(text: &str) -> String {
         return visible.into_owned();
     }
     visible.chars().take(SHOWN).chain(['…']).collect()
+}
+
+/// The elements of all sections with this tag, such as `actuator`.
+///
+/// # Errors
+/// [`MjcfError::TooLarge`] for more than any robot has.
+pub(super) fn elements_of<'a>(root: Element<'a>, section: &'static str) -> Result<Vec<Element<'a>>, MjcfError> {
+    let elements: Vec<Element<'a>> = root.named(section).flat_map(Element::elements).take(MOST_ELEMENTS + 1).collect();
+    if elements.len() <= MOST_ELEMENTS {
+        return Ok(elements);
+    }
+    let (path, what) = (root.path().to_owned(), "actuators, equalities or tendons");
+    Err(MjcfError::TooLarge { path, what, limit: MOST_ELEMENTS })
 }

@@ -1,13 +1,15 @@
 //! `<equality>`: joints that follow others, or are held; everything else would close a loop.
 
+use std::collections::HashMap;
+
 use super::{
     assembly::Assembly,
     classes::{Classes, MAIN, Properties},
-    element::{Attribute, Element},
+    element::{Attribute, Element, elements_of},
     error::MjcfError,
     world::World,
 };
-use crate::robot::{LARGEST, Mimic, Place, tree};
+use crate::robot::{LARGEST, Mimic, tree};
 
 /// What the equalities make of the joints.
 pub(super) struct Equalities {
@@ -26,22 +28,27 @@ impl Equalities {
     ) -> Result<Self, MjcfError> {
         let n = assembly.joints.len();
         let mut reader = Reader { assembly, mimics: vec![None; n], held: vec![None; n], stated: vec![None; n] };
-        for element in root.named("equality").flat_map(Element::elements) {
+        let tendons = fixed_tendons(root);
+        for element in elements_of(root, "equality")? {
             let equality = classes.of(element, MAIN, &["equality"])?;
             let active = equality.attribute("active").map(Attribute::flag).transpose()?.flatten();
             match element.tag() {
                 _ if active == Some(false) => {}
                 "joint" => reader.follow(&equality)?,
                 "connect" | "weld" => refuse_loop(element, world, assembly)?,
-                "tendon" => return Err(element.unsupported(
-                    "an equality of tendons couples joints; write it as an equality of two joints, or give it active=\"false\"",
-                )),
+                "tendon" => reader.couple(&equality, &tendons)?,
                 // Equalities of flexible bodies move no joint.
                 _ => {}
             }
         }
         reader.resolved()
     }
+}
+
+/// The fixed tendons by name.
+fn fixed_tendons(root: Element<'_>) -> HashMap<&str, Element<'_>> {
+    let tendons = root.named("tendon").flat_map(|tendon| tendon.named("fixed"));
+    tendons.filter_map(|tendon| Some((tendon.text_of("name")?, tendon))).collect()
 }
 
 struct Reader<'r, 'a> {
@@ -66,12 +73,45 @@ impl<'a> Reader<'_, 'a> {
                 "its polycoef has powers above one; only c0 and c1 may differ from zero",
             ));
         }
+        self.bind(first, second.filter(|_| ratio != 0.0), [constant, ratio], element)
+    }
+
+    /// `c1 (q1 - ref1) + c2 (q2 - ref2) = c0` for a tendon of two joints, or of one.
+    fn couple(&mut self, equality: &Properties<'a>, tendons: &HashMap<&'a str, Element<'a>>) -> Result<(), MjcfError> {
+        let element = equality.element();
+        let name = element.required("tendon1", "name the tendon")?.text;
+        let [constant, ..] = equality.leading("polycoef", [0.0, 1.0, 0.0, 0.0, 0.0])?;
+        let mut joints = Vec::new();
+        for part in tendons.get(name).into_iter().flat_map(|tendon| tendon.named("joint")).take(3) {
+            let joint = self.joint(part.required("joint", "name the joint of the tendon")?.text, part)?;
+            let coefficient = part.required("coef", "give the coefficient of the joint")?.number()?;
+            joints.extend((coefficient != 0.0).then_some((joint, coefficient)));
+        }
+        match (element.attribute("tendon2"), &joints[..]) {
+            (None, &[(only, coefficient)]) => self.bind(only, None, [constant / coefficient, 0.0], element),
+            (None, &[(first, own), (second, other)]) => {
+                self.bind(first, Some(second), [constant / own, -other / own], element)
+            }
+            (None | Some(_), _) => Err(element.unsupported(
+                "only a fixed tendon of one or two joints makes a joint follow another; give the equality active=\"false\"",
+            )),
+        }
+    }
+
+    /// `q1 - ref1 = c0 + c1 (q2 - ref2)`, or `q1 - ref1 = c0` without a second joint.
+    fn bind(
+        &mut self,
+        first: usize,
+        second: Option<usize>,
+        [constant, ratio]: [f64; 2],
+        element: Element<'a>,
+    ) -> Result<(), MjcfError> {
         if self.stated[first].replace(element).is_some() {
             return Err(self.error(first, element, "it follows another already; remove one of the two"));
         }
         let reference = |joint: usize| self.assembly.moving[joint].reference;
         let at_rest = reference(first) + constant;
-        match second.filter(|_| ratio != 0.0) {
+        match second {
             Some(of) => self.mimics[first] = Some(Mimic { of, ratio, offset: at_rest - ratio * reference(of) }),
             None => self.held[first] = Some(at_rest),
         }
@@ -105,7 +145,7 @@ impl<'a> Reader<'_, 'a> {
     fn circular(&self, joint: usize, problem: &'static str) -> MjcfError {
         let name = self.assembly.joints[joint].name.clone();
         let place = self.stated[joint].map_or_else(|| self.assembly.moving[joint].element.place(), Element::place);
-        MjcfError::Follower { place: Place { ..place }, joint: name, problem }
+        MjcfError::Follower { place, joint: name, problem }
     }
 }
 

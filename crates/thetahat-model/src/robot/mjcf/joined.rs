@@ -147,8 +147,8 @@ impl Joiner<'_> {
     /// The file of an `<include>`: relative to the folder of the model, otherwise to that of the file with the element. It must be in
     /// the folder of the model, links followed, so that a foreign model cannot read any other file.
     fn target(&self, path: &Path, file: &str) -> Result<PathBuf, &'static str> {
-        let beside = path.parent().map(|folder| folder.join(file));
-        let candidates = [Some(self.folder.join(file)), beside];
+        let in_own_folder = path.parent().map(|folder| folder.join(file));
+        let candidates = [Some(self.folder.join(file)), in_own_folder];
         let mut existing = candidates.into_iter().flatten().filter(|candidate| files::is_file(candidate));
         let target = existing.next().ok_or("there is no such file; copy it into the folder of the model")?;
         match files::real(&target).ok().zip(files::real(self.folder).ok()) {

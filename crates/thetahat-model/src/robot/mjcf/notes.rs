@@ -4,7 +4,7 @@ use super::{
     actuators::Actuators,
     assembly::Assembly,
     classes::{Classes, MAIN},
-    element::Element,
+    element::{Element, elements_of},
     error::MjcfError,
     inertia::Lump,
     world::World,
@@ -18,7 +18,7 @@ use crate::robot::{
 /// Fraction of the largest inertia that truncated digits may cause.
 const ROUNDING: f64 = 0.01;
 
-/// The model as far as notes need it.
+/// The parts of a model that notes are about.
 pub(super) struct Noted<'n, 'a> {
     pub(super) root: Element<'a>,
     pub(super) classes: &'n Classes<'a>,
@@ -26,6 +26,9 @@ pub(super) struct Noted<'n, 'a> {
     pub(super) assembly: &'n Assembly<'a>,
     pub(super) actuators: &'n Actuators<'a>,
 }
+
+/// Most doubts about bodies: more are of one cause.
+const MOST_DOUBTS: usize = 50;
 
 /// Elements of one kind that are left out, under one note.
 struct Omission {
@@ -50,7 +53,8 @@ impl Omission {
 impl<'a> Noted<'_, 'a> {
     pub(super) fn doubts(&self) -> Result<Vec<Doubt>, MjcfError> {
         let mut doubts: Vec<Doubt> = self.omissions()?.into_iter().filter_map(|(kind, of)| kind.note(&of)).collect();
-        doubts.extend(self.assembly.lumps.iter().filter_map(|(element, lump)| of_body(*element, lump)));
+        let of_bodies = self.assembly.lumps.iter().filter_map(|(element, lump)| of_body(*element, lump));
+        doubts.extend(of_bodies.take(MOST_DOUBTS));
         let joints = self.assembly.joints.iter().zip(&self.assembly.moving);
         doubts.extend(joints.flat_map(|(joint, moving)| {
             let values =
@@ -83,7 +87,7 @@ impl<'a> Noted<'_, 'a> {
 
     fn tendons(&self) -> Result<Vec<Element<'a>>, MjcfError> {
         let mut found = Vec::new();
-        for element in self.root.named("tendon").flat_map(Element::elements) {
+        for element in elements_of(self.root, "tendon")? {
             let tendon = self.classes.of(element, MAIN, &["tendon"])?;
             let mut acts = false;
             for key in ["stiffness", "damping", "frictionloss", "armature"] {

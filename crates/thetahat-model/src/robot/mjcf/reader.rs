@@ -75,7 +75,7 @@ pub(in crate::robot) fn read(
         return Err(MjcfError::NoMovingJoint { path: path.to_owned() }.into());
     }
     let Equalities { mimics, held } = Equalities::read(root, &classes, &world, &assembly)?;
-    let actuators = Actuators::read(root, &settings, &classes, &assembly.joints)?;
+    let actuators = Actuators::read(root, &settings, &classes, &assembly.joints, &world)?;
     assembly.joints.iter_mut().zip(mimics).for_each(|(joint, mimic)| joint.mimic = mimic);
     limit_efforts(&mut assembly, &actuators);
     let noted = Noted { root, classes: &classes, world: &world, assembly: &assembly, actuators: &actuators };

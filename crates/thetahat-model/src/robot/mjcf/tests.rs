@@ -140,9 +140,10 @@ fn what_a_robot_cannot_hold_is_noted() {
 
 #[test]
 fn a_joint_without_a_name_has_that_of_its_body() {
-    let robot = changed("name=\"elbow\" type", "type");
-    assert_eq!(robot.joints[1].name, "lower_joint");
-    let taken = ARM.replacen("name=\"shoulder\"", "name=\"lower_joint\"", 1).replacen("name=\"elbow\" type", "type", 1);
+    let undriven = ARM.replacen("<motor name=\"m2\" joint=\"elbow\" gear=\"-3\"/>", "", 1);
+    let unnamed = undriven.replacen("name=\"elbow\" type", "type", 1);
+    assert_eq!(read(&unnamed).unwrap().joints[1].name, "lower_joint");
+    let taken = unnamed.replacen("name=\"shoulder\"", "name=\"lower_joint\"", 1);
     let taken = taken.replacen("joint=\"shoulder\"", "joint=\"lower_joint\"", 1);
     assert_eq!(read(&taken).unwrap().joints[1].name, "lower_joint_2");
 }
@@ -160,7 +161,7 @@ fn what_is_more_than_a_tree_of_hinges_and_slides_is_refused() {
     unsupported("<equality/>", &connect, &["line 28: <connect>", "loop", "active=\"false\""]);
     unsupported("<equality/>", &equality("<weld name=\"w\" body1=\"lower\"/>"), &["<weld name=\"w\">", "loop"]);
     unsupported("<equality/>", &equality("<connect site1=\"tip\" site2=\"tip\"/>"), &["loop"]);
-    unsupported("<equality/>", &equality("<tendon tendon1=\"t\"/>"), &["tendons"]);
+    unsupported("<equality/>", &equality("<tendon tendon1=\"t\"/>"), &["a fixed tendon", "active=\"false\""]);
     let replicate = "<replicate count=\"3\"><body><joint/></body></replicate>\n    <body name=\"upper\"";
     unsupported("<body name=\"upper\"", replicate, &["mj_saveLastXML"]);
     unsupported("<site name=\"tip\"/>", "<composite type=\"cable\"/>", &["<composite>", "<body name=\"upper\">"]);
@@ -225,6 +226,8 @@ fn each_invalid_value_is_named() {
         ("type=\"capsule\"", "type=\"cone\"", ["type is `cone`", "capsule"]),
         ("type=\"slide\"", "type=\"screw\"", ["type is `screw`", "hinge, slide"]),
         ("type=\"slide\"", "class=\"weak\"", ["the class `weak`", "line 19"]),
+        ("joint=\"elbow\"", "joint=\"wrist\"", ["line 26: <motor name=\"m2\">", "the joint `wrist`"]),
+        ("name=\"lower\"", "name=\"upper\"", ["line 18: <body name=\"upper\">", "line 13; rename"]),
         ("name=\"elbow\" ", "name=\"shoulder\" ", ["line 19", "line 15; rename"]),
         ("class=\"strong\"><motor", "><motor", ["<default> has no class", "line 7"]),
     ] {
@@ -319,6 +322,20 @@ fn a_toml_stands_on_an_mjcf() {
     }
     let embedded = "mjcf_text = '<mujoco><include file=\"tip.xml\"/></mujoco>'";
     says(&mjcf_error(Robot::parse(embedded, &folder.at("arm.toml"))).to_string(), &["includes nothing"]);
+}
+
+#[test]
+fn a_tendon_of_two_joints_makes_one_follow_the_other() {
+    let tendon = "<tendon><fixed name=\"t\"><joint joint=\"elbow\" coef=\"2\"/><joint joint=\"shoulder\" coef=\"1\"/>\
+                  </fixed></tendon><equality><tendon tendon1=\"t\" polycoef=\"0.4\"/></equality>";
+    let mimic = changed("<equality/>", tendon).joints[1].mimic.unwrap();
+    assert_eq!((mimic.of, mimic.ratio, mimic.offset), (0, -0.5, 0.2));
+}
+
+#[test]
+fn the_outermost_class_may_have_a_name() {
+    let text = ARM.replacen("<default>", "<default class=\"all\">", 1).replace("class=\"main\"", "class=\"all\"");
+    assert_eq!(read(&text).unwrap(), read(ARM).unwrap());
 }
 
 #[test]

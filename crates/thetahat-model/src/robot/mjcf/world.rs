@@ -1,5 +1,7 @@
 //! The tree of bodies, without recursion: a hostile model may nest them deeply.
 
+use std::collections::HashMap;
+
 use super::{
     classes::{Classes, MAIN, Properties},
     compiler::Settings,
@@ -10,6 +12,8 @@ use crate::robot::body::Frame;
 
 /// Most bodies, joints and frames.
 const MOST_PARTS: usize = 4000;
+/// Most geoms.
+const MOST_GEOMS: usize = 100_000;
 
 /// A `<body>` with what it holds.
 pub(super) struct Body<'a> {
@@ -38,7 +42,9 @@ pub(super) struct World<'a> {
     pub(super) bodies: Vec<Body<'a>>,
     /// Elements that make further bodies, with the body that holds them.
     pub(super) makers: Vec<(Element<'a>, Option<usize>)>,
+    names: HashMap<&'a str, usize>,
     parts: usize,
+    geoms: usize,
 }
 
 /// An element that waits to be read, with the body that holds it.
@@ -46,7 +52,7 @@ type Waiting<'a> = (Part<'a>, Option<usize>);
 
 impl<'a> World<'a> {
     pub(super) fn read(root: Element<'a>, settings: &Settings, classes: &Classes<'a>) -> Result<Self, MjcfError> {
-        let mut world = Self { bodies: Vec::new(), makers: Vec::new(), parts: 0 };
+        let mut world = Self { bodies: Vec::new(), makers: Vec::new(), names: HashMap::new(), parts: 0, geoms: 0 };
         let tops: Vec<Element<'a>> = root.named("worldbody").collect();
         let mut waiting = Vec::new();
         for top in tops.into_iter().rev() {
@@ -82,6 +88,11 @@ impl<'a> World<'a> {
             }
             "geom" => {
                 body.into_iter().for_each(|body| body.geoms.push(part));
+                self.geoms += 1;
+                let (path, what) = (part.element.path().to_owned(), "geoms");
+                if self.geoms > MOST_GEOMS {
+                    return Err(MjcfError::TooLarge { path, what, limit: MOST_GEOMS });
+                }
                 Ok(Vec::new())
             }
             "inertial" => {
@@ -107,6 +118,9 @@ impl<'a> World<'a> {
         self.count(part.element)?;
         let Part { element, class, frame } = placed(part, settings, classes)?;
         let body = Body { element, parent: owner, frame, inertial: None, joints: Vec::new(), geoms: Vec::new() };
+        if let Some(first) = element.text_of("name").and_then(|name| self.names.insert(name, self.bodies.len())) {
+            return Err(element.same_name(self.bodies[first].element));
+        }
         self.bodies.push(body);
         Ok(children(Part { element, class, frame: Frame::SAME }, Some(self.bodies.len() - 1)))
     }
@@ -119,7 +133,7 @@ impl<'a> World<'a> {
 
     /// The body of a name.
     pub(super) fn body(&self, name: &str) -> Option<usize> {
-        self.bodies.iter().position(|body| body.element.text_of("name") == Some(name))
+        self.names.get(name).copied()
     }
 }
 

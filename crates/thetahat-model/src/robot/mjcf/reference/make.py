@@ -28,13 +28,24 @@ def fixed(path):
     return model
 
 
+def equality(model, e):
+    """Two joints with q1 - ref1 = constant + ratio (q2 - ref2); the second is -1 if there is none."""
+    constant, ratio = model.eq_data[e][:2]
+    first, second = model.eq_obj1id[e], model.eq_obj2id[e]
+    if model.eq_type[e] == mujoco.mjtEq.mjEQ_TENDON:
+        wraps = range(model.tendon_adr[first], model.tendon_adr[first] + 2)
+        own, other = (model.wrap_prm[wrap] for wrap in wraps)
+        first, second = (model.wrap_objid[wrap] for wrap in wraps)
+        return first, second, constant / own, -other / own
+    return first, second, constant, ratio
+
+
 def coordinates(model):
     """The joints as functions of those that are free: G and q0."""
     g, q0 = numpy.eye(model.nv), numpy.zeros(model.nv)
     bound = set()
     for e in [e for e in range(model.neq) if model.eq_active0[e]]:
-        first, second = model.eq_obj1id[e], model.eq_obj2id[e]
-        constant, ratio = model.eq_data[e][:2]
+        first, second, constant, ratio = equality(model, e)
         bound.add(first)
         g[first] = 0
         q0[first] = model.qpos0[first] + constant

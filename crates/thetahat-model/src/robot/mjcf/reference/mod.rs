@@ -73,7 +73,7 @@ fn same(found: &[f64], expected: &[f64], what: &str) {
 #[test]
 fn mass_matrix_bias_forces_and_inverse_dynamics_are_those_of_mujoco() {
     let values: Values = toml::from_str(VALUES).unwrap();
-    assert_eq!(values.model.len(), 25);
+    assert_eq!(values.model.len(), 26);
     for ModelValues { name, joints, state, .. } in values.model {
         let robot = robot(&name);
         let model = Model::new(&robot);
