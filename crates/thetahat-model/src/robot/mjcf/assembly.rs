@@ -8,7 +8,7 @@ use super::{
     element::Element,
     error::MjcfError,
     inertia::{Lump, lump_of},
-    joint::{JointElement, Moving},
+    joint::Moving,
     world::World,
 };
 use crate::robot::{
@@ -47,9 +47,9 @@ impl<'a> Assembly<'a> {
             let BodyPlace { carrier, frame } = parent.unwrap_or(BodyPlace { carrier: None, frame: Frame::SAME });
             let mut place = BodyPlace { carrier, frame: frame.then(&body.frame) };
             for joint in &body.joints {
-                match JointElement::read(joint, settings, classes)? {
-                    JointElement::Moving(moving) => place = assembly.add(moving, &place)?,
-                    JointElement::Free => assembly.free.push(body.element),
+                match Moving::read(joint, settings, classes)? {
+                    Some(moving) => place = assembly.add(moving, &place)?,
+                    None => assembly.free.push(body.element),
                 }
             }
             assembly.places.push(place);

@@ -88,7 +88,7 @@ pub enum MjcfError {
     /// A geom whose mass counts has a shape without a formula.
     #[error(
         "{place} gives `{body}` its mass by {shape}, which is not weighed here; give the body an <inertial>, as MuJoCo's \
-         `mj_saveLastXML` does, or mass=\"0\" to the geom"
+         `mj_saveLastXML` does with <compiler saveinertial=\"true\"/>, or mass=\"0\" to the geom"
     )]
     Unweighed {
         /// The geom.

@@ -13,13 +13,6 @@ use thetahat_ground::vector::{Vec3, norm, scale, times};
 /// An axis shorter than this has no direction.
 const SHORTEST_AXIS: f64 = 1e-9;
 
-/// What a joint element does.
-pub(super) enum JointElement<'a> {
-    Moving(Moving<'a>),
-    /// Its body moves freely.
-    Free,
-}
-
 /// A hinge or slide.
 pub(super) struct Moving<'a> {
     pub(super) element: Element<'a>,
@@ -43,63 +36,77 @@ pub(super) struct Moving<'a> {
     pub(super) has_time_constant: bool,
 }
 
-impl<'a> JointElement<'a> {
-    pub(super) fn read(part: &Part<'a>, settings: &Settings, classes: &Classes<'a>) -> Result<Self, MjcfError> {
+impl<'a> Moving<'a> {
+    /// A joint element; none for a free joint.
+    pub(super) fn read(part: &Part<'a>, settings: &Settings, classes: &Classes<'a>) -> Result<Option<Self>, MjcfError> {
         if part.element.tag() == "freejoint" {
-            return Ok(Self::Free);
+            return Ok(None);
         }
         let joint = classes.of(part.element, part.class, &["joint"])?;
-        let kind = joint.attribute("type");
-        let kind = match kind.map_or("hinge", |kind| kind.text) {
-            "hinge" => JointKind::Revolute,
-            "slide" => JointKind::Prismatic,
-            "free" => return Ok(Self::Free),
-            "ball" => {
-                let why = "a ball joint has no single coordinate; replace it by three hinges in one body, or remove it to \
-                           fix the body";
-                return Err(part.element.unsupported(why));
-            }
-            _ => {
-                return Err(
-                    kind.map_or_else(|| part.element.unsupported(""), |k| k.wrong("hinge, slide, ball or free"))
-                );
-            }
-        };
+        let Some(kind) = kind_of(&joint)? else { return Ok(None) };
         let coordinate = |value: f64| match kind {
             JointKind::Revolute => settings.angle(value),
             JointKind::Prismatic => value,
         };
-        let axis = joint.numbers("axis")?.unwrap_or([0.0, 0.0, 1.0]);
-        let length = norm(axis);
-        if length < SHORTEST_AXIS
-            && let Some(attribute) = joint.attribute("axis")
-        {
-            return Err(attribute.wrong("an axis other than zero, such as 0 0 1"));
-        }
-        let range = limits(&joint, "range", "limited", settings)?.map(|range| range.map(coordinate));
-        let force = limits(&joint, "actuatorfrcrange", "actuatorfrclimited", settings)?;
-        Ok(Self::Moving(Moving {
+        let of_key = |key| Ok::<f64, MjcfError>(joint.number(key)?.unwrap_or(0.0));
+        Ok(Some(Self {
             element: part.element,
             kind,
-            axis: times(&part.frame.rotation, scale(1.0 / length, axis)),
+            axis: times(&part.frame.rotation, axis_of(&joint)?),
             anchor: part.frame.of_point(joint.numbers("pos")?.unwrap_or_default()),
-            reference: coordinate(joint.number("ref")?.unwrap_or(0.0)),
-            limits: Limits {
-                lower: range.map(|[lower, _]| lower),
-                upper: range.map(|[_, upper]| upper),
-                velocity: None,
-                effort: force.map(|[low, high]| low.abs().max(high.abs())),
-            },
-            armature: joint.number("armature")?.unwrap_or(0.0),
-            friction: joint.number("frictionloss")?.unwrap_or(0.0),
+            reference: coordinate(of_key("ref")?),
+            limits: limits_of(&joint, settings, coordinate)?,
+            armature: of_key("armature")?,
+            friction: of_key("frictionloss")?,
             damping: joint.leading("damping", [0.0; 3])?,
             stiffness: joint.leading("stiffness", [0.0; 3])?,
-            rest: coordinate(joint.number("springref")?.unwrap_or(0.0)),
-            has_time_constant: joint
-                .numbers::<2>("springdamper")?
-                .is_some_and(|[time, ratio]| time > 0.0 && ratio > 0.0),
+            rest: coordinate(of_key("springref")?),
+            has_time_constant: has_time_constant(&joint)?,
         }))
     }
+}
+
+/// None for a free joint.
+fn kind_of(joint: &Properties<'_>) -> Result<Option<JointKind>, MjcfError> {
+    let Some(kind) = joint.attribute("type") else { return Ok(Some(JointKind::Revolute)) };
+    match kind.text {
+        "hinge" => Ok(Some(JointKind::Revolute)),
+        "slide" => Ok(Some(JointKind::Prismatic)),
+        "free" => Ok(None),
+        "ball" => Err(joint.element().unsupported(
+            "a ball joint has no single coordinate; replace it by three hinges in one body, or remove it to fix the body",
+        )),
+        _ => Err(kind.wrong("hinge, slide, ball or free")),
+    }
+}
+
+/// Of length one.
+fn axis_of(joint: &Properties<'_>) -> Result<Vec3, MjcfError> {
+    let Some(attribute) = joint.attribute("axis") else { return Ok([0.0, 0.0, 1.0]) };
+    let axis = attribute.numbers()?;
+    match norm(axis) {
+        length if length > SHORTEST_AXIS => Ok(scale(1.0 / length, axis)),
+        _ => Err(attribute.wrong("an axis other than zero, such as 0 0 1")),
+    }
+}
+
+fn limits_of(
+    joint: &Properties<'_>,
+    settings: &Settings,
+    coordinate: impl Fn(f64) -> f64,
+) -> Result<Limits, MjcfError> {
+    let range = limits(joint, "range", "limited", settings)?.map(|range| range.map(coordinate));
+    let force = limits(joint, "actuatorfrcrange", "actuatorfrclimited", settings)?;
+    Ok(Limits {
+        lower: range.map(|[lower, _]| lower),
+        upper: range.map(|[_, upper]| upper),
+        velocity: None,
+        effort: force.map(|[low, high]| low.abs().max(high.abs())),
+    })
+}
+
+fn has_time_constant(joint: &Properties<'_>) -> Result<bool, MjcfError> {
+    Ok(joint.numbers("springdamper")?.is_some_and(|[time, ratio]: [f64; 2]| time > 0.0 && ratio > 0.0))
 }
 
 /// The two limits of an element, if `limited` or `autolimits` makes them count.

@@ -67,38 +67,57 @@ pub(in crate::robot) fn read(
         let why = "a text within another file includes nothing; give the file of the model";
         return Err(include.unsupported(why).into());
     }
-    let (settings, classes) = (Settings::read(root)?, Classes::read(root)?);
-    let world = World::read(root, &settings, &classes)?;
-    let mut assembly = Assembly::of(&world, &settings, &classes)?;
-    refuse_makers(&world, &assembly)?;
-    if assembly.joints.is_empty() {
+    let model = ParsedModel::read(root)?;
+    if model.held.iter().all(Option::is_some) {
         return Err(MjcfError::NoMovingJoint { path: path.to_owned() }.into());
     }
-    let Equalities { mimics, held } = Equalities::read(root, &classes, &world, &assembly)?;
-    let actuators = Actuators::read(root, &settings, &classes, &assembly.joints, &world)?;
-    assembly.joints.iter_mut().zip(mimics).for_each(|(joint, mimic)| joint.mimic = mimic);
-    limit_efforts(&mut assembly, &actuators);
-    let noted = Noted { root, classes: &classes, world: &world, assembly: &assembly, actuators: &actuators };
-    let mut robot = Robot {
-        name: name_of(root, path),
-        gravity: gravity(root)?,
-        transmission: match transmissions {
-            Transmissions::Read => actuators.transmission(&assembly.joints),
-            Transmissions::Ignored => direct(&assembly),
-        },
-        a_priori: a_priori(&assembly, &actuators),
-        joints: assembly.joints.clone(),
-        friction: Friction::Symmetric,
-        locked: Vec::new(),
-        doubts: noted.doubts()?,
-        term_descriptions: Vec::new(),
-        terms: Vec::new(),
-    };
-    add_terms(&mut robot, &assembly, &actuators)?;
-    if held.iter().all(Option::is_some) {
-        return Err(MjcfError::NoMovingJoint { path: path.to_owned() }.into());
+    let mut robot = model.robot(root, path, transmissions)?;
+    add_terms(&mut robot, &model.assembly, &model.actuators)?;
+    merged(&robot, &model.held).map_err(|source| RobotError::lock(path, source))
+}
+
+/// The parts of a model.
+struct ParsedModel<'a> {
+    classes: Classes<'a>,
+    world: World<'a>,
+    assembly: Assembly<'a>,
+    actuators: Actuators<'a>,
+    /// The coordinate at which each joint is held.
+    held: Vec<Option<f64>>,
+}
+
+impl<'a> ParsedModel<'a> {
+    fn read(root: Element<'a>) -> Result<Self, MjcfError> {
+        let (settings, classes) = (Settings::read(root)?, Classes::read(root)?);
+        let world = World::read(root, &settings, &classes)?;
+        let mut assembly = Assembly::of(&world, &settings, &classes)?;
+        refuse_makers(&world, &assembly)?;
+        let Equalities { mimics, held } = Equalities::read(root, &classes, &world, &assembly)?;
+        let actuators = Actuators::read(root, &settings, &classes, &assembly.joints, &world)?;
+        assembly.joints.iter_mut().zip(mimics).for_each(|(joint, mimic)| joint.mimic = mimic);
+        limit_efforts(&mut assembly, &actuators);
+        Ok(Self { classes, world, assembly, actuators, held })
     }
-    merged(&robot, &held).map_err(|source| RobotError::lock(path, source))
+
+    /// The robot without terms, in which held joints move.
+    fn robot(&self, root: Element<'a>, path: &Path, transmissions: Transmissions) -> Result<Robot, MjcfError> {
+        let Self { classes, world, assembly, actuators, .. } = self;
+        Ok(Robot {
+            name: name_of(root, path),
+            gravity: gravity(root)?,
+            joints: assembly.joints.clone(),
+            transmission: match transmissions {
+                Transmissions::Read => actuators.transmission(&assembly.joints),
+                Transmissions::Ignored => direct(assembly),
+            },
+            friction: Friction::Symmetric,
+            a_priori: a_priori(assembly, actuators),
+            locked: Vec::new(),
+            doubts: Noted { root, classes, world, assembly, actuators }.doubts()?,
+            term_descriptions: Vec::new(),
+            terms: Vec::new(),
+        })
+    }
 }
 
 /// Refuses elements that make bodies, unless they cannot move.
