@@ -147,7 +147,7 @@ pub struct Inspect {
     /// The same as FILE
     #[arg(long, value_name = "FILE")]
     pub recording: Vec<PathBuf>,
-    /// The robot description: URDF or TOML
+    /// The robot description: URDF, xacro, MJCF or TOML
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
     #[command(flatten)]
@@ -156,7 +156,7 @@ pub struct Inspect {
 
 #[derive(Args)]
 pub struct Init {
-    /// The robot description: URDF or TOML
+    /// The robot description: URDF, xacro, MJCF or TOML
     #[arg(long, value_name = "FILE")]
     pub robot: PathBuf,
     /// A recording; given again: another file of it, or another recording
@@ -359,7 +359,7 @@ pub struct Simulate {
 
 #[derive(Args)]
 pub struct Model {
-    /// The robot: a URDF, or a TOML description
+    /// The robot: a URDF, a xacro, an MJCF, or a TOML description
     #[arg(value_name = "ROBOT")]
     pub robot: PathBuf,
     /// Print one JSON object, in SI units
@@ -377,6 +377,17 @@ pub struct Model {
     /// Joints that do not move, in rad or m, such as head_joint=0.2
     #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = lock)]
     pub lock: Vec<(String, f64)>,
+    /// An argument of a xacro, such as prefix:=left_
+    #[arg(long, value_name = "NAME:=VALUE")]
+    pub xacro_arg: Vec<String>,
+    /// The folder of a package that a xacro finds, such as arm_description=robots/arm_description
+    #[arg(long, value_name = "NAME=DIR")]
+    pub package: Vec<String>,
+    /// Write the URDF that a xacro is expanded to, which all commands take
+    #[arg(long, value_name = "FILE.urdf")]
+    pub expand: Option<PathBuf>,
+    #[command(flatten)]
+    pub force: Force,
 }
 
 #[derive(Args)]

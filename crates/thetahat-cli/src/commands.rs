@@ -9,10 +9,10 @@ use thetahat::{
     experiment::{PredictionRequest, predict},
     report::Published,
     results::{ResultsError, SideBySide},
-    robot::{Locks, RobotSource, RobotSummary},
+    robot::{Locks, RobotSource, RobotSummary, XacroOptions},
     symbolic::BaseFormulas,
 };
-use thetahat_ground::output::OutputGuard;
+use thetahat_ground::output::{OutputGuard, replace_file};
 use thetahat_report::report;
 
 use crate::{
@@ -166,7 +166,18 @@ fn record_twin(simulate: &Simulate) -> Result<Ending, Box<dyn Error>> {
 
 fn show_model(request: &Model) -> Result<Ending, Box<dyn Error>> {
     let folder = request.data.clone().unwrap_or_default();
-    let source = RobotSource::read(&folder.join(&request.robot))?;
+    let mut xacro = XacroOptions::default();
+    request.xacro_arg.iter().try_for_each(|text| xacro.add_argument(text))?;
+    request.package.iter().try_for_each(|text| xacro.add_package(text))?;
+    let path = folder.join(&request.robot);
+    let source = RobotSource::read_with_xacro(&path, &xacro)?;
+    if let Some(out) = &request.expand {
+        OutputGuard::new([path], request.force.force).file(out)?;
+        replace_file(out, source.to_text().as_bytes())
+            .map_err(|e| format!("{}: cannot be written: {e}", out.display()))?;
+        print(&format!("written: {}\n", out.display()))?;
+        return Ok(Ending::Good);
+    }
     let locks = Locks { locked: request.lock.iter().cloned().collect(), until: request.until.clone() };
     let robot = source.robot_with_locks(&locks, Path::new("the command line"))?;
     if request.symbolic {

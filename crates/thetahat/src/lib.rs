@@ -69,11 +69,13 @@
 /// A robot: its joints and transmission, from URDF or TOML, and the table of its standard parameters.
 pub mod robot {
     #[doc(inline)]
+    #[doc(hidden)]
+    pub use thetahat_model::robot::XacroOptions;
+    #[doc(inline)]
     pub use thetahat_model::robot::{
         DenavitHartenberg, Friction, Joint, JointKind, Limits, LockError, LockedJoint, Locks, Mimic, Parameter,
         ParameterTable, Placement, Quantity, RobotError, RobotSource, Transmission,
     };
-    #[doc(inline)]
     pub use thetahat_model::robot_summary::{FrameJoint, MovingFrames, RobotSummary};
 }
 

@@ -31,7 +31,7 @@ pub struct Robot {
     pub a_priori: BTreeMap<String, f64>,
     /// Joints of the description that were locked and are no longer joints of this robot.
     pub locked: Vec<LockedJoint>,
-    /// Physically impossible values in its description, and notes of how it was interpreted.
+    /// Physically impossible values in its description, notes of how it was interpreted, and what it states beyond a robot.
     pub doubts: Vec<Doubt>,
     /// Descriptions of torque terms in addition to those of links and drives; [`Robot::add_terms`] adds them.
     pub term_descriptions: Vec<TermDescription>,
@@ -39,8 +39,8 @@ pub struct Robot {
     pub terms: Vec<TermColumn>,
 }
 
-/// A value of a description that is physically impossible and used unchanged, such as a negative mass in a URDF, or a note
-/// of how something was interpreted.
+/// A value of a description that is physically impossible and used unchanged, such as a negative mass in a URDF; a note of how
+/// something was interpreted; or something that a [`Robot`] cannot hold, such as a free joint of an MJCF.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Doubt {
     /// How serious it is.
@@ -49,9 +49,9 @@ pub struct Doubt {
     pub place: String,
     /// What it is, in words.
     pub what: String,
-    /// The impossible value; zero for a note without one.
+    /// The impossible value, or the number of elements that are left out; zero for a note without one.
     pub value: f64,
-    /// Its unit.
+    /// The unit of the value; empty for a number of elements.
     pub unit: &'static str,
     /// What to do.
     pub remedy: &'static str,

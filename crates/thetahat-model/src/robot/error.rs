@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use super::{locking::LockError, terms::TermError, urdf::UrdfError, xacro::XacroError};
+use super::{locking::LockError, mjcf::MjcfError, terms::TermError, urdf::UrdfError, xacro::XacroError};
 
 /// Why a robot description cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -82,6 +82,9 @@ pub enum RobotError {
     /// A xacro that cannot be expanded.
     #[error(transparent)]
     Xacro(Box<XacroError>),
+    /// An MJCF that cannot be used.
+    #[error(transparent)]
+    Mjcf(#[from] MjcfError),
     /// Joints that cannot be locked.
     #[error("{}: {source}", path.display())]
     Lock {

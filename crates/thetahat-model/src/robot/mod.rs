@@ -1,8 +1,8 @@
 //! The robot as data: links and joints, transmission, friction, and the one table of standard parameters.
 //!
 //! A robot is a tree of revolute and prismatic joints, read from our TOML in Denavit-Hartenberg form (modified, with
-//! Khalil's gamma and b for trees, or standard), from a URDF, or from a TOML that stands on a URDF. Its dynamic
-//! parameters are named once, in [`ParameterTable`].
+//! Khalil's gamma and b for trees, or standard), from a URDF, from an MJCF, or from a TOML that stands on one of them. Its
+//! dynamic parameters are named once, in [`ParameterTable`].
 //!
 //! ```
 //! use std::path::Path;
@@ -22,6 +22,7 @@ mod error;
 mod joint;
 mod loading;
 mod locking;
+mod mjcf;
 mod parameters;
 mod physical;
 mod quantity;
@@ -43,6 +44,7 @@ pub use joint::{DenavitHartenberg, Joint, JointKind, Limits, Mimic, Placement};
 #[doc(hidden)]
 pub use locking::LinkPart;
 pub use locking::{LockError, LockedJoint, Locks};
+pub use mjcf::MjcfError;
 pub use parameters::{Parameter, ParameterTable};
 pub use physical::NotPhysical;
 pub use quantity::{

@@ -1,14 +1,17 @@
 //! Physically impossible values in the robot's description.
 
 use crate::checks::finding::{Code, Finding, Severity};
-use thetahat_model::robot::{Doubt, Robot};
+use thetahat_model::robot::{Doubt, DoubtGrade, Robot};
 
 /// The findings of a robot's description, which is used unchanged.
 #[must_use]
 pub fn examine_robot(robot: &Robot) -> Vec<Finding> {
     let finding = |doubt: &Doubt| Finding {
         code: Code::RobotDescription,
-        severity: Severity::Warning,
+        severity: match doubt.grade {
+            DoubtGrade::Impossible => Severity::Warning,
+            DoubtGrade::Note => Severity::Note,
+        },
         joint: None,
         joint_name: None,
         value: doubt.value,

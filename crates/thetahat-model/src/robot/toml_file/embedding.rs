@@ -2,10 +2,10 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::robot::RobotError;
+use crate::robot::{RobotError, mjcf::is_mjcf};
 use thetahat_ground::files;
 
-/// The URDF that a TOML refers to.
+/// The URDF or MJCF that a TOML refers to.
 pub(in crate::robot) enum Urdf {
     /// A file.
     File(PathBuf),
@@ -15,11 +15,13 @@ pub(in crate::robot) enum Urdf {
 
 #[derive(Deserialize)]
 struct Keys {
+    #[serde(alias = "mjcf")]
     urdf: Option<PathBuf>,
+    #[serde(alias = "mjcf_text")]
     urdf_text: Option<String>,
 }
 
-/// The URDF of a description at `path`, if it refers to one.
+/// The URDF or MJCF of a description at `path`, if it refers to one.
 pub(in crate::robot) fn urdf_of(text: &str, path: &Path) -> Result<Option<Urdf>, RobotError> {
     let keys = toml::from_str::<Keys>(text).map_err(|e| RobotError::of_toml(&e, path))?;
     Ok(match (keys.urdf, keys.urdf_text) {
@@ -38,7 +40,7 @@ fn allowed_file(path: &Path, name: &Path) -> Result<PathBuf, RobotError> {
     match real(&file).zip(real(&folder.join(".."))) {
         Some((file, above)) if !file.starts_with(&above) => Err(RobotError::Value {
             path: path.to_owned(),
-            key: "urdf".to_owned(),
+            key: "urdf or mjcf".to_owned(),
             expected: "a file in the folder of this description or the one above",
             found: name.display().to_string(),
         }),
@@ -47,12 +49,13 @@ fn allowed_file(path: &Path, name: &Path) -> Result<PathBuf, RobotError> {
     }
 }
 
-/// Whether the description embeds its URDF.
+/// Whether the description embeds its URDF or MJCF.
 pub(in crate::robot) fn has_embedded_urdf(text: &str) -> bool {
     toml::from_str::<Keys>(text).is_ok_and(|keys| keys.urdf_text.is_some())
 }
 
-/// The description with its URDF embedded in the key `urdf_text`.
+/// The description with its URDF or MJCF embedded in the key `urdf_text` or `mjcf_text`.
 pub(in crate::robot) fn with_embedded_urdf(text: &str, urdf: &str) -> String {
-    format!("urdf_text = {}\n{}", toml::Value::String(urdf.to_owned()), text.trim_start_matches('\u{feff}'))
+    let key = if is_mjcf(urdf) { "mjcf_text" } else { "urdf_text" };
+    format!("{key} = {}\n{}", toml::Value::String(urdf.to_owned()), text.trim_start_matches('\u{feff}'))
 }

@@ -11,13 +11,13 @@ use thetahat_ground::one_or_each::{self, OneOrEach};
 pub(super) struct RobotFile {
     /// Its name; none takes that of the URDF, or of the file.
     pub(super) name: Option<String>,
-    /// A URDF that has the joints and links, in the folder of this file or the one above.
+    /// A URDF or MJCF that has the joints and links, in the folder of this file or the one above.
     ///
     /// Declared here so that it is a known key; read by [`super::urdf_of`].
-    #[serde(rename = "urdf")]
+    #[serde(rename = "urdf", alias = "mjcf")]
     _urdf: Option<PathBuf>,
-    /// The text of the URDF itself.
-    #[serde(rename = "urdf_text")]
+    /// The text of the URDF or MJCF itself.
+    #[serde(rename = "urdf_text", alias = "mjcf_text")]
     _urdf_text: Option<String>,
     /// What the Denavit-Hartenberg numbers of `[[joint]]` mean; none is `"modified"`.
     pub(super) convention: Option<Convention>,

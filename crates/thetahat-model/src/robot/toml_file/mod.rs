@@ -1,4 +1,4 @@
-//! Our TOML description: joints in Denavit-Hartenberg form, or a URDF, with transmission, friction model, gravity and a-priori
+//! Our TOML description: joints in Denavit-Hartenberg form, or a URDF or MJCF, with transmission, friction model, gravity and a-priori
 //! parameters.
 
 mod bounds;
@@ -9,7 +9,7 @@ mod reader;
 mod transmission;
 
 pub(super) use embedding::{Urdf, has_embedded_urdf, urdf_of, with_embedded_urdf};
-pub(super) use reader::read;
+pub(super) use reader::{Below, read};
 
 #[cfg(test)]
 mod tests;

@@ -1,24 +1,30 @@
-use std::{
-    ops::Range,
-    path::{Path, PathBuf},
-};
+use std::{ops::Range, path::Path};
 
 use super::file::RobotFile;
 use crate::robot::{
     Friction, Locks, Parameter, Robot, RobotError, Transmission,
     locking::{LocksOf, merged, resolve_all},
-    urdf,
+    mjcf, urdf,
 };
 
 /// Default acceleration of gravity, m/s^2.
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
-/// The robot of a TOML description, which refers to the text of `urdf` if it names one, with the joints locked that it names
+/// The URDF or MJCF that a TOML stands on.
+#[derive(Clone, Copy)]
+pub(in crate::robot) struct Below<'a> {
+    pub(in crate::robot) path: &'a Path,
+    pub(in crate::robot) text: &'a str,
+    /// The files of an MJCF.
+    pub(in crate::robot) origins: &'a mjcf::Origins,
+}
+
+/// The robot of a TOML description, which refers to the text `below` if it names one, with the joints locked that it names
 /// and then those `stated` elsewhere.
 pub(in crate::robot) fn read(
     text: &str,
     path: &Path,
-    urdf: Option<(PathBuf, &str)>,
+    below: Option<Below<'_>>,
     transmissions: urdf::Transmissions,
     stated: &[LocksOf<'_>],
 ) -> Result<Robot, RobotError> {
@@ -26,8 +32,8 @@ pub(in crate::robot) fn read(
     let locks = Locks { locked: std::mem::take(&mut file.locked), until: std::mem::take(&mut file.until) };
     let locks: Vec<LocksOf<'_>> = [LocksOf { path, locks: &locks }].into_iter().chain(stated.iter().copied()).collect();
     let reader = Reader { path, text };
-    let below = match urdf {
-        Some((urdf_path, urdf_text)) => reader.on_urdf(&file, &urdf_path, urdf_text, transmissions, &locks)?,
+    let below = match below {
+        Some(below) => reader.on_file(&file, &below, transmissions, &locks)?,
         None => reader.alone(&file)?,
     };
     let whole = reader.with_additions(below, file)?;
@@ -60,11 +66,10 @@ impl Reader<'_> {
         })
     }
 
-    fn on_urdf(
+    fn on_file(
         &self,
         file: &RobotFile,
-        urdf_path: &Path,
-        urdf_text: &str,
+        below: &Below<'_>,
         transmissions: urdf::Transmissions,
         locks: &[LocksOf<'_>],
     ) -> Result<Robot, RobotError> {
@@ -76,7 +81,10 @@ impl Reader<'_> {
         }
         let own = file.transmission.as_ref().is_some_and(|t| t.matrix.is_some());
         let transmissions = if own { urdf::Transmissions::Ignored } else { transmissions };
-        urdf::read(urdf_text, urdf_path, transmissions, locks)
+        match mjcf::is_mjcf(below.text) {
+            true => mjcf::read(below.text, below.path, below.origins, transmissions),
+            false => urdf::read(below.text, below.path, transmissions, locks),
+        }
     }
 
     /// The settings of the file other than the joints, which override those of `robot`.

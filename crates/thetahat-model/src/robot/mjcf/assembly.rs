@@ -1,0 +1,151 @@
+//! The chain of joints and links that the bodies make.
+
+use std::collections::HashMap;
+
+use super::{
+    classes::Classes,
+    compiler::Settings,
+    element::Element,
+    error::MjcfError,
+    inertia::{Lump, lump_of},
+    joint::Moving,
+    world::World,
+};
+use crate::robot::{
+    Joint, JointKind, MOST_JOINTS, Placement,
+    body::{Frame, RigidBody},
+};
+use thetahat_ground::vector::{IDENTITY, Mat3, axis_angle, product, scale, times, transpose, with_z};
+
+/// The robot under construction, from the world, body by body.
+pub(super) struct Assembly<'a> {
+    pub(super) joints: Vec<Joint>,
+    pub(super) moving: Vec<Moving<'a>>,
+    /// The body of each joint's link, with everything fixed to it.
+    pub(super) links: Vec<RigidBody>,
+    /// Where each body is.
+    pub(super) places: Vec<BodyPlace>,
+    /// Bodies with a free joint, which are fixed.
+    pub(super) free: Vec<Element<'a>>,
+    /// Mass and inertia of each moving body, as the model states them.
+    pub(super) lumps: Vec<(Element<'a>, Lump)>,
+}
+
+/// The joint that carries a body, none for the world, and the body's frame in that of the joint's link.
+#[derive(Clone, Copy)]
+pub(super) struct BodyPlace {
+    pub(super) carrier: Option<usize>,
+    frame: Frame,
+}
+
+impl<'a> Assembly<'a> {
+    pub(super) fn of(world: &World<'a>, settings: &Settings, classes: &Classes<'a>) -> Result<Self, MjcfError> {
+        let (joints, moving, links) = (Vec::new(), Vec::new(), Vec::new());
+        let mut assembly = Self { joints, moving, links, places: Vec::new(), free: Vec::new(), lumps: Vec::new() };
+        for body in &world.bodies {
+            let parent = body.parent.map(|parent| assembly.places[parent]);
+            let BodyPlace { carrier, frame } = parent.unwrap_or(BodyPlace { carrier: None, frame: Frame::SAME });
+            let mut place = BodyPlace { carrier, frame: frame.then(&body.frame) };
+            for joint in &body.joints {
+                match Moving::read(joint, settings, classes)? {
+                    Some(moving) => place = assembly.add(moving, &place)?,
+                    None => assembly.free.push(body.element),
+                }
+            }
+            assembly.places.push(place);
+        }
+        assembly.name_joints(world)?;
+        assembly.weigh(world, settings, classes)?;
+        Ok(assembly)
+    }
+
+    /// Adds a joint whose body is at `place`; returns the place of the body on the link of this joint, whose origin is on the axis.
+    fn add(&mut self, moving: Moving<'a>, place: &BodyPlace) -> Result<BodyPlace, MjcfError> {
+        if self.joints.len() >= MOST_JOINTS {
+            let path = moving.element.path().to_owned();
+            return Err(MjcfError::TooLarge { path, what: "moving joints", limit: MOST_JOINTS });
+        }
+        let anchor = match moving.kind {
+            JointKind::Revolute => moving.anchor,
+            JointKind::Prismatic => [0.0; 3],
+        };
+        let link = place.frame.then(&Frame { rotation: IDENTITY, origin: anchor }).then(&at_zero(&moving));
+        self.joints.push(self.joint(&moving, place.carrier, &link));
+        self.moving.push(moving);
+        self.links.push(RigidBody::default());
+        let frame = Frame { rotation: IDENTITY, origin: scale(-1.0, anchor) };
+        Ok(BodyPlace { carrier: Some(self.joints.len() - 1), frame })
+    }
+
+    /// The joint's frame is the link's, rotated so that z is the axis; so is the frame of its carrier.
+    fn joint(&self, moving: &Moving<'_>, carrier: Option<usize>, link: &Frame) -> Joint {
+        let axes = with_z(moving.axis);
+        let rotation = product(&link.rotation, &axes);
+        let (rotation, origin) = match carrier.and_then(|carrier| self.joints[carrier].link_axes) {
+            None => (rotation, link.origin),
+            Some(axes) => (product(&axes, &rotation), times(&axes, link.origin)),
+        };
+        Joint {
+            name: moving.element.text_of("name").unwrap_or_default().to_owned(),
+            kind: moving.kind,
+            parent: carrier,
+            placement: Placement::new(&rotation, origin),
+            link_axes: link_axes(&axes),
+            mimic: None,
+            limits: moving.limits,
+        }
+    }
+
+    /// Refuses a name that two joints have, and names the joints without one after their bodies.
+    fn name_joints(&mut self, world: &World<'a>) -> Result<(), MjcfError> {
+        let mut first: HashMap<String, Element<'a>> = HashMap::new();
+        for (joint, moving) in self.joints.iter().zip(&self.moving).filter(|(joint, _)| !joint.name.is_empty()) {
+            if let Some(first) = first.insert(joint.name.clone(), moving.element) {
+                return Err(moving.element.same_name(first));
+            }
+        }
+        let bodies =
+            world.bodies.iter().flat_map(|body| body.joints.iter().map(move |part| (part.element, body.element)));
+        let bodies: Vec<(Element<'a>, Element<'a>)> = bodies.collect();
+        for (k, (joint, moving)) in self.joints.iter_mut().zip(&self.moving).enumerate() {
+            if joint.name.is_empty() {
+                let body = bodies.iter().find(|(part, _)| part.is(moving.element)).and_then(|(_, b)| b.text_of("name"));
+                let mut name = body.map_or(format!("joint{}", k + 1), |body| format!("{body}_joint"));
+                while first.contains_key(&name) {
+                    name = format!("{name}_{}", k + 1);
+                }
+                first.insert(name.clone(), moving.element);
+                joint.name = name;
+            }
+        }
+        Ok(())
+    }
+
+    fn weigh(&mut self, world: &World<'a>, settings: &Settings, classes: &Classes<'a>) -> Result<(), MjcfError> {
+        let counts = |place: &BodyPlace| place.carrier.is_some() || settings.total_mass.is_some();
+        let bodies = world.bodies.iter().zip(&self.places).filter(|(_, place)| counts(place));
+        let lumps = bodies.map(|(body, place)| Ok((body.element, *place, lump_of(body, settings, classes)?)));
+        let lumps = lumps.collect::<Result<Vec<_>, MjcfError>>()?;
+        let total: f64 = lumps.iter().map(|(_, _, lump)| lump.mass).sum();
+        let factor =
+            settings.total_mass.filter(|wanted| *wanted > 0.0 && total > 0.0).map_or(1.0, |wanted| wanted / total);
+        for (element, place, lump) in lumps {
+            let Some(carrier) = place.carrier else { continue };
+            self.links[carrier].absorb(&lump.scaled(factor).body().seen_in(&place.frame));
+            self.lumps.push((element, lump));
+        }
+        Ok(())
+    }
+}
+
+/// The frame of a link at coordinate zero, in its frame in the pose of the model.
+fn at_zero(moving: &Moving<'_>) -> Frame {
+    match moving.kind {
+        JointKind::Revolute => Frame { rotation: axis_angle(moving.axis, -moving.reference), origin: [0.0; 3] },
+        JointKind::Prismatic => Frame { rotation: IDENTITY, origin: scale(-moving.reference, moving.axis) },
+    }
+}
+
+fn link_axes(axes: &Mat3) -> Option<Mat3> {
+    (*axes != IDENTITY).then(|| transpose(axes))
+}
