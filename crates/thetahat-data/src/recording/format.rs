@@ -17,6 +17,8 @@ pub enum Format {
     Npz,
     /// MATLAB variables: `.mat`, of version 5 or 7.3.
     Mat,
+    /// HDF5: `.h5`, `.hdf5`.
+    Hdf5,
     /// Apache Parquet: `.parquet`.
     Parquet,
     /// A ROS 2 bag in SQLite: `.db3`.
@@ -44,6 +46,7 @@ impl Format {
             "npy" => Some(Self::Npy),
             "npz" => Some(Self::Npz),
             "mat" => Some(Self::Mat),
+            "h5" | "hdf5" => Some(Self::Hdf5),
             "parquet" => Some(Self::Parquet),
             "db3" => Some(Self::Db3),
             "mcap" => Some(Self::Mcap),
@@ -55,7 +58,7 @@ impl Format {
     pub(super) fn holds(self) -> Holds {
         match self {
             Self::Csv => Holds::Lines,
-            Self::Npy | Self::Npz | Self::Mat | Self::Parquet => Holds::Arrays,
+            Self::Npy | Self::Npz | Self::Mat | Self::Hdf5 | Self::Parquet => Holds::Arrays,
             Self::Db3 | Self::Mcap => Holds::Topics,
         }
     }
@@ -78,6 +81,7 @@ impl fmt::Display for Format {
             Self::Npy => "a NumPy array",
             Self::Npz => "a NumPy archive",
             Self::Mat => "a MAT file",
+            Self::Hdf5 => "an HDF5 file",
             Self::Parquet => "a Parquet file",
             Self::Db3 => "a ROS 2 bag in SQLite",
             Self::Mcap => "a ROS 2 bag in MCAP",

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::conversion::conversion;
 use super::csv::{self, Dialect};
 use super::error::RecordingError;
 use super::format::Format;
@@ -13,30 +14,55 @@ impl Format {
     /// The format of a path by its extension.
     ///
     /// # Errors
-    /// [`RecordingError::UnknownFormat`] if the extension is unknown.
+    /// [`RecordingError::ToConvert`] if the file needs another program first, [`RecordingError::UnknownFormat`] if the extension is
+    /// unknown.
     pub fn of(path: &Path) -> Result<Self, RecordingError> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        if let Some((what, remedy)) = conversion(path, &extension) {
+            return Err(RecordingError::ToConvert { file: path.to_owned(), what, remedy });
+        }
         let format = Self::of_extension(&extension);
         format.ok_or_else(|| RecordingError::UnknownFormat { file: path.to_owned(), found: extension })
     }
+}
+
+/// How a table is read from a file.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct TableOptions {
+    /// Of a text.
+    pub(super) dialect: Dialect,
+    /// Of a Parquet file with several episodes; none means the first.
+    pub(super) episode: Option<u64>,
 }
 
 /// The table in a file. For bags see `bag`.
 pub(super) fn table(
     path: &Path,
     format: Format,
-    dialect: &Dialect,
+    options: &TableOptions,
     wanted: RequestedColumns<'_>,
 ) -> Result<Table, RecordingError> {
+    table_with_notes(path, format, options, wanted).map(|(table, _)| table)
+}
+
+/// The table in a file, and what a user should know of it, in sentences.
+pub(super) fn table_with_notes(
+    path: &Path,
+    format: Format,
+    options: &TableOptions,
+    wanted: RequestedColumns<'_>,
+) -> Result<(Table, Vec<String>), RecordingError> {
     let bytes = file_bytes(path)?;
-    match format {
-        Format::Csv => csv::read(&bytes, path, dialect, wanted),
+    let table = match format {
+        Format::Csv => csv::read(&bytes, path, &options.dialect, wanted),
         Format::Npy => npy::read(&bytes, path),
         Format::Npz => archive(&bytes, path, wanted),
         Format::Mat => mat::read(bytes, path, wanted),
-        Format::Parquet => parquet(bytes, path, wanted),
+        Format::Hdf5 => mat::read_hdf5(bytes, path, wanted),
+        Format::Parquet => return parquet(bytes, path, options.episode, wanted),
         Format::Db3 | Format::Mcap => Ok(Table::default()),
-    }
+    };
+    table.map(|table| (table, Vec::new()))
 }
 
 #[cfg(feature = "npz")]
@@ -50,11 +76,21 @@ fn archive(_: &[u8], path: &Path, _: RequestedColumns<'_>) -> Result<Table, Reco
 }
 
 #[cfg(feature = "parquet")]
-fn parquet(bytes: Vec<u8>, path: &Path, wanted: RequestedColumns<'_>) -> Result<Table, RecordingError> {
-    super::parquet::read(bytes, path, wanted)
+fn parquet(
+    bytes: Vec<u8>,
+    path: &Path,
+    episode: Option<u64>,
+    wanted: RequestedColumns<'_>,
+) -> Result<(Table, Vec<String>), RecordingError> {
+    super::parquet::read_episode(bytes, path, episode, wanted)
 }
 
 #[cfg(not(feature = "parquet"))]
-fn parquet(_: Vec<u8>, path: &Path, _: RequestedColumns<'_>) -> Result<Table, RecordingError> {
+fn parquet(
+    _: Vec<u8>,
+    path: &Path,
+    _: Option<u64>,
+    _: RequestedColumns<'_>,
+) -> Result<(Table, Vec<String>), RecordingError> {
     Err(RecordingError::FeatureMissing { file: path.to_owned(), format: "Parquet files", feature: "parquet" })
 }

@@ -8,10 +8,11 @@ use super::csv::{Decimal, Dialect};
 use super::error::RecordingError;
 use super::format::Format;
 use super::layout::{self, Layout};
-use super::reader::table;
-use super::table::RequestedColumns;
+use super::reader::{TableOptions, table};
+use super::select::SelectedColumns;
+use super::table::{Column, RequestedColumns};
 use super::unit::{Dimension, Unit};
-use super::{bag, place, select};
+use super::{bag, place, select, split_time};
 use thetahat_ground::{one_or_each::OneOrEach, series::Series};
 
 /// Where the channels of one signal are, and what they are.
@@ -61,7 +62,16 @@ pub struct ChannelSource {
     /// Whether an incomplete last line of a text is left out.
     #[serde(default)]
     pub drop_cut_line: bool,
-    /// Whether a matrix has one row, not one column, for each channel.
+    /// Number of lines of a text above its table, such as titles; none means that they are detected.
+    #[serde(default)]
+    pub skip_lines: Option<u64>,
+    /// Whether the day stands before the month in dates of a text such as `03.05.2024`; none means that the file has to show it.
+    #[serde(default)]
+    pub day_first: Option<bool>,
+    /// Number of the episode that is read of a Parquet file of several episodes; none means the first.
+    #[serde(default)]
+    pub episode: Option<u64>,
+    /// Whether a matrix or a text has one row, not one column, for each channel.
     #[serde(default)]
     pub channels_in_rows: bool,
     /// Number of channels whose values are interleaved in one column, sample by sample.
@@ -116,6 +126,9 @@ impl ChannelSource {
             decimal: None,
             header: None,
             drop_cut_line: false,
+            skip_lines: None,
+            day_first: None,
+            episode: None,
             channels_in_rows: false,
             interleaved: None,
             channel_column: None,
@@ -253,7 +266,10 @@ impl ChannelSource {
             ("decimal", self.decimal.is_some() && text),
             ("header", self.header.is_some() && text),
             ("drop_cut_line", self.drop_cut_line && text),
-            ("channels_in_rows", self.channels_in_rows && format.is_one_table()),
+            ("skip_lines", self.skip_lines.is_some() && text),
+            ("day_first", self.day_first.is_some() && text),
+            ("episode", self.episode.is_some() && format != Format::Parquet),
+            ("channels_in_rows", self.channels_in_rows && format == Format::Parquet),
             ("channels_in_rows", self.channels_in_rows && format.is_bag()),
             ("interleaved", self.interleaved.is_some() && (format.is_bag() || self.channels_in_rows)),
             ("channel_column", self.channel_column.is_some() && (format.is_bag() || self.channels_in_rows)),
@@ -270,14 +286,23 @@ impl ChannelSource {
         match (self.channel_column.is_some(), self.interleaved) {
             (true, _) => Layout::Long,
             (false, Some(channels)) => Layout::Interleaved { channels },
-            (false, None) if self.channels_in_rows => Layout::Rows,
             (false, None) => Layout::Columns,
         }
     }
 
     /// Whether any samples of the signal can be read without the others.
     pub(super) fn can_be_read_in_pieces(&self) -> bool {
-        self.layout() == Layout::Columns && !self.drop_cut_line && self.delay_s == 0.0
+        let is_split = self.is_split_time() || self.columns.iter().any(|name| name.contains('+'));
+        let is_whole = self.channels_in_rows || self.drop_cut_line || self.episode.is_some() || is_split;
+        self.layout() == Layout::Columns && !is_whole && self.delay_s == 0.0
+    }
+
+    /// Whether two columns are one time: seconds and the nanoseconds beyond them, by their units.
+    fn is_split_time(&self) -> bool {
+        let units = self.unit.given();
+        matches!(units, [long, short] if long.to_si() > short.to_si())
+            && units.iter().all(|unit| unit.dimension() == Dimension::Time)
+            && self.columns.len() == 2
     }
 
     pub(super) fn dialect(&self) -> Dialect {
@@ -286,6 +311,9 @@ impl ChannelSource {
             decimal: self.decimal,
             header: self.header,
             drop_cut_line: self.drop_cut_line,
+            skip_lines: self.skip_lines,
+            channels_in_rows: self.channels_in_rows,
+            day_first: self.day_first,
         }
     }
 
@@ -309,10 +337,26 @@ pub fn read_channels(source: &ChannelSource, root: &Path) -> Result<Series, Reco
     source.refuse_useless_settings(format)?;
     let mut series = read(source, format, &source.place(root)?)?;
     let factors = source.factors(series.channels())?;
+    if source.is_split_time() {
+        subtract_first(&mut series);
+    }
     for sample in series.values_mut().chunks_exact_mut(factors.len()) {
         sample.iter_mut().zip(&factors).for_each(|(value, factor)| *value *= factor);
     }
-    Ok(series)
+    Ok(if source.is_split_time() { sums(&series) } else { series })
+}
+
+/// Subtracts the first sample of each channel, before large times would be rounded.
+fn subtract_first(series: &mut Series) {
+    let first = if !series.is_empty() { series.sample(0).to_vec() } else { Vec::new() };
+    for sample in series.values_mut().chunks_exact_mut(first.len().max(1)) {
+        sample.iter_mut().zip(&first).for_each(|(value, first)| *value -= first);
+    }
+}
+
+/// The sum of the channels of each sample.
+fn sums(series: &Series) -> Series {
+    Series::shaped(1, (0..series.len()).map(|k| series.sample(k).iter().sum()).collect())
 }
 
 /// The channels in the units of the file.
@@ -323,8 +367,28 @@ fn read(source: &ChannelSource, format: Format, path: &Path) -> Result<Series, R
     let mut columns = source.columns.clone();
     columns.extend(source.channel_column.clone());
     let wanted = if columns.is_empty() { RequestedColumns::All } else { RequestedColumns::Named(&columns) };
-    let table = table(path, format, &source.dialect(), wanted)?;
-    layout::laid_out(source.layout(), select::series(&table, format, &columns, path)?, path)
+    let options = TableOptions { dialect: source.dialect(), episode: source.episode };
+    let mut table = table(path, format, &options, wanted)?;
+    if source.channels_in_rows {
+        table.columns.iter_mut().for_each(Column::transpose);
+    }
+    split_time::add_requested(&mut table, &columns);
+    let columns = select::columns(&table, format, &columns, path)?;
+    require_seconds(source, &columns, path)?;
+    layout::laid_out(source.layout(), columns.series(path)?, path)
+}
+
+/// Dates and times of day are in seconds, whatever the unit of the other columns.
+fn require_seconds(source: &ChannelSource, columns: &SelectedColumns<'_>, path: &Path) -> Result<(), RecordingError> {
+    let unit = |channel: usize| match &source.unit {
+        OneOrEach::One(unit) => Some(*unit),
+        OneOrEach::Each(units) => units.get(channel).copied(),
+    };
+    let other = |(channel, column): (usize, &Column)| {
+        let found = unit(channel).filter(|unit| *unit != Unit::Second)?;
+        Some(RecordingError::UnitOfStamps { file: path.to_owned(), column: column.name.clone(), found })
+    };
+    columns.in_seconds().find_map(other).map_or(Ok(()), Err)
 }
 
 #[cfg(test)]
@@ -348,6 +412,9 @@ mod tests {
             decimal: None,
             header: None,
             drop_cut_line: false,
+            skip_lines: None,
+            day_first: None,
+            episode: None,
             channels_in_rows: false,
             interleaved: None,
             channel_column: None,

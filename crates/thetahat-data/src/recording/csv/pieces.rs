@@ -13,9 +13,11 @@ use super::super::error::RecordingError;
 use super::super::place::{open, unreadable};
 use super::super::table::{Column, RequestedColumns, Table, is_plausible};
 use super::dialect::Dialect;
+use super::encoding::is_utf_16;
 use super::number::Numbers;
-use super::read::{flaw, read_with_dialect};
-use super::text::Text;
+use super::read::read_columns;
+use super::text::without_mark;
+use super::values::flaw;
 use thetahat_ground::files::{self, File};
 
 /// Number of rows between two stored positions.
@@ -29,6 +31,8 @@ pub(in super::super) struct TextPieces {
     delimiter: u8,
     numbers: Numbers,
     names: Vec<String>,
+    /// The first line of the table.
+    first_line: u64,
     marks: Vec<Mark>,
     rows: usize,
     end: u64,
@@ -57,23 +61,24 @@ impl TextPieces {
             let Some(last) = memchr::memrchr(b'\n', &beginning) else { return Ok(None) };
             beginning.truncate(last + 1);
         }
-        let text = match Text::of(&beginning, path) {
-            Err(RecordingError::EmptyFile { .. }) if beginning.len() + 1 >= BUFFER => return Ok(None),
-            text => text?,
-        };
-        let (table, found) = read_with_dialect(&beginning, path, dialect, wanted)?;
-        let (Some(delimiter), Some(header)) = (found.delimiter.and_then(|d| u8::try_from(d).ok()), found.header) else {
-            return Ok(None);
-        };
-        if found.decimal.is_none() {
+        if is_utf_16(&beginning) {
             return Ok(None);
         }
-        let (byte, line) = text.start(&beginning);
-        let names = table.columns.into_iter().map(|c| c.name).collect();
-        let numbers = Numbers::new(found.decimal, delimiter);
-        let scan = Scan { delimiter, header, marks: Vec::new(), rows: 0, line, line_start: byte, content: false };
+        let text = without_mark(&beginning);
+        let detected = match dialect.detect(text, path) {
+            Err(RecordingError::EmptyFile { .. }) if beginning.len() + 1 >= BUFFER => return Ok(None),
+            detected => detected?,
+        };
+        let (columns, numbers, _) = read_columns(text, path, dialect, &detected, wanted)?;
+        if numbers.decimal().is_none() || columns.iter().any(|column| column.in_seconds) {
+            return Ok(None);
+        }
+        let (delimiter, first_line, line) = (detected.delimiter, detected.first_line, detected.line);
+        let names = columns.into_iter().map(|c| c.name).collect();
+        let byte = (beginning.len() - text.len() + detected.start) as u64;
+        let scan = Scan { delimiter, marks: Vec::new(), rows: 0, line, line_start: byte, content: false };
         let Some((marks, rows, end)) = scan.run(file, path)? else { return Ok(None) };
-        Ok(Some(Self { path: path.to_owned(), delimiter, numbers, names, marks, rows, end }))
+        Ok(Some(Self { path: path.to_owned(), delimiter, numbers, names, first_line, marks, rows, end }))
     }
 
     pub(in super::super) fn rows(&self) -> usize {
@@ -91,7 +96,8 @@ impl TextPieces {
         let bytes = self.bytes(mark.byte..end)?;
         let mut columns: Vec<Column> =
             self.names.iter().map(|name| Column::of_numbers(name.clone(), 1, Vec::new())).collect();
-        let read: Vec<bool> = self.names.iter().map(|name| wanted.includes(name)).collect();
+        let is_read = |(name, number): (&String, usize)| wanted.includes(name) || wanted.includes_number(number);
+        let read: Vec<bool> = self.names.iter().zip(1..).map(is_read).collect();
         let reserve = columns.iter_mut().zip(&read).filter(|(_, read)| **read);
         reserve.for_each(|(column, _)| column.values.reserve_exact(range.len()));
         let mut numbers = self.numbers;
@@ -140,8 +146,8 @@ impl TextPieces {
         if found == columns.len() {
             return Ok(());
         }
-        let (expected, delimiter) = (columns.len(), self.delimiter.into());
-        Err(RecordingError::RowLength { file: self.path.clone(), line: number, expected, found, delimiter })
+        let (expected, delimiter, first_line) = (columns.len(), self.delimiter.into(), self.first_line);
+        Err(RecordingError::RowLength { file: self.path.clone(), line: number, first_line, expected, found, delimiter })
     }
 }
 
@@ -188,8 +194,6 @@ impl<'a> Iterator for Lines<'a> {
 /// The first pass.
 struct Scan {
     delimiter: u8,
-    /// Whether the next line holds the names.
-    header: bool,
     marks: Vec<Mark>,
     rows: usize,
     line: u64,
@@ -237,9 +241,7 @@ impl Scan {
     }
 
     fn end_of_line(&mut self, next: u64) {
-        if self.content && self.header {
-            self.header = false;
-        } else if self.content {
+        if self.content {
             if self.rows.is_multiple_of(ROWS_PER_MARK) {
                 self.marks.push(Mark { byte: self.line_start, line: self.line });
             }

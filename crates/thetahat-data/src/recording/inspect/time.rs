@@ -52,7 +52,8 @@ pub struct Gap {
 /// `FILE:NAME`.
 pub(super) fn times(columns: &[Column], in_seconds: bool, asked: Option<&str>) -> Vec<TimeSummary> {
     let is_asked = |c: &Column| asked.is_some_and(|asked| asked == c.name || asked.ends_with(&format!(":{}", c.name)));
-    let rank = |c: &Column| if is_asked(c) { 0 } else { 2 - usize::from(is_named(&c.name)) };
+    let is_named = |c: &Column| c.in_seconds || is_named(&c.name);
+    let rank = |c: &Column| if is_asked(c) { 0 } else { 2 - usize::from(is_named(c)) };
     let mut summaries: Vec<(usize, TimeSummary)> =
         columns.iter().filter_map(|c| Some((rank(c), time(c, in_seconds, rank(c) < 2)?))).collect();
     summaries.sort_by_key(|(rank, _)| *rank);
@@ -85,7 +86,7 @@ fn time(column: &Column, in_seconds: bool, is_named: bool) -> Option<TimeSummary
     if !is_named && !is_even {
         return None;
     }
-    let unit = if in_seconds { Unit::Second } else { unit(&column.name, step) };
+    let unit = if in_seconds || column.in_seconds { Unit::Second } else { unit(&column.name, step) };
     Some(TimeSummary {
         column: column.name.clone(),
         is_named,

@@ -40,10 +40,10 @@ impl GroupPieces {
     ) -> Result<Option<Self>, RecordingError> {
         panics_as_damage(path, "Parquet", || {
             let described = Described::new(path, source)?;
-            if described.samples == 0 || described.largest_group() > MOST_ROWS {
+            if described.samples == 0 || described.largest_group() > MOST_ROWS || described.has_episodes() {
                 return Ok(None);
             }
-            described.require_room(path, source.length(), wanted)?;
+            described.require_room(path, source.length(), described.samples, wanted)?;
             let first_stamps = first_stamps(&described, source, wanted);
             Ok(first_stamps.map(|first_stamps| Self { path: path.to_owned(), described, first_stamps }))
         })

@@ -1,0 +1,285 @@
+//! The first rows of a text, split at a given delimiter, and the place of the table in them.
+
+use csv::ByteRecord;
+
+use super::dialect::Dialect;
+use super::number::{Decimal, Numbers};
+use super::stamp::Stamp;
+use super::text::{Line, characters, prepared, rows};
+use super::unit_line::is_unit_line;
+
+/// Most cells of a row that are examined.
+const MOST_CELLS: usize = super::read::MOST_COLUMNS + 1;
+
+/// The first rows of a text, split at a given delimiter.
+pub(super) struct Sample<'a> {
+    text: &'a [u8],
+    pub(super) delimiter: u8,
+    rows: Vec<Row>,
+    /// Number of columns of the table.
+    width: usize,
+    /// Columns that contain values.
+    value_columns: Vec<usize>,
+    decimal: DecimalEvidence,
+    pub(super) table: TablePlace,
+}
+
+/// What a cell contains.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum CellKind {
+    /// A number, or a stamp.
+    Value,
+    Missing,
+    Text,
+}
+
+struct Row {
+    line: Line,
+    is_comment: bool,
+    cells: Vec<CellKind>,
+}
+
+impl Row {
+    fn values(&self) -> usize {
+        self.cells.iter().filter(|cell| **cell == CellKind::Value).count()
+    }
+
+    fn holds(&self, column: usize, kind: CellKind) -> bool {
+        self.cells.get(column) == Some(&kind)
+    }
+}
+
+/// The decimal sign, by the numbers of the sample.
+#[derive(Default)]
+struct DecimalEvidence {
+    shown: Option<Decimal>,
+    has_point: bool,
+}
+
+/// The rows that make up the table, by their index.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct TablePlace {
+    pub(super) names: Option<usize>,
+    pub(super) units: Option<usize>,
+    /// The first row of values; the number of rows if there is none.
+    pub(super) values: usize,
+}
+
+impl<'a> Sample<'a> {
+    pub(super) fn of(text: &'a [u8], lines: &[Line], delimiter: u8, dialect: &Dialect) -> Self {
+        let mut decimal = DecimalEvidence::default();
+        let rows = lines.iter().map(|line| row(text, *line, delimiter, dialect.decimal, &mut decimal)).collect();
+        let table = TablePlace::default();
+        let mut sample = Self { text, delimiter, rows, width: 0, value_columns: Vec::new(), decimal, table };
+        sample.width = sample.usual_width();
+        sample.value_columns = sample.columns_of_values();
+        sample.table = sample.table_place(dialect.header);
+        sample
+    }
+
+    pub(super) fn width(&self) -> usize {
+        self.width
+    }
+
+    /// The place of a row, the last line if there is no such row.
+    pub(super) fn line(&self, row: usize) -> Option<Line> {
+        self.rows.get(row).map(|row| row.line)
+    }
+
+    /// The texts of a row's cells.
+    pub(super) fn cells(&self, row: usize) -> Vec<String> {
+        let cells =
+            self.rows.get(row).map(|row| record(without_comment_sign(row.line.bytes(self.text)), self.delimiter));
+        cells.iter().flatten().map(|cell| characters(cell).trim().to_owned()).collect()
+    }
+
+    /// Whether a row of texts may name groups of the columns below it.
+    pub(super) fn is_group_line(&self, row: usize) -> bool {
+        self.rows.get(row).is_some_and(|row| !row.is_comment && row.cells.len() == self.width && row.values() == 0)
+    }
+
+    pub(super) fn has_rows(&self) -> bool {
+        self.rows.iter().any(|row| !row.is_comment)
+    }
+
+    /// How numbers are read, as set or as the sample shows.
+    pub(super) fn numbers(&self, set: Option<Decimal>) -> Numbers {
+        let by_commas = self.delimiter == b',';
+        let decimal = set.or(self.decimal.shown).or(by_commas.then_some(Decimal::Point));
+        let grouped = set.is_some() || self.decimal.shown.is_some() || by_commas && self.decimal.has_point;
+        Numbers::new(decimal, grouped)
+    }
+
+    fn values(&self) -> impl Iterator<Item = &Row> {
+        self.rows.iter().skip(self.table.values).filter(|row| !row.is_comment)
+    }
+
+    /// The rows of the table: names and values.
+    fn table_rows(&self) -> impl Iterator<Item = &Row> {
+        self.table.names.and_then(|names| self.rows.get(names)).into_iter().chain(self.values())
+    }
+
+    /// Number of rows of the table as long as the usual one.
+    pub(super) fn agreeing(&self) -> usize {
+        self.table_rows().filter(|row| row.cells.len() == self.width).count()
+    }
+
+    pub(super) fn is_consistent(&self) -> bool {
+        self.agreeing() == self.table_rows().count()
+    }
+
+    /// The fraction of cells that are values.
+    pub(super) fn numeric(&self) -> f64 {
+        let cells: usize = self.values().map(|row| row.cells.len()).sum();
+        self.values().map(Row::values).sum::<usize>() as f64 / cells.max(1) as f64
+    }
+
+    /// Whether every line is one value, judged by the first rows.
+    pub(super) fn is_one_column(&self) -> bool {
+        self.width == 1 && self.is_consistent() && self.values().all(|row| row.values() == 1)
+    }
+
+    /// Whether the first row of values may contain names: some columns of values begin with text, and some with values.
+    pub(super) fn begins_unclearly(&self) -> bool {
+        let mut rows = self.values();
+        let Some(first) = rows.next().filter(|_| self.table.names.is_none()) else { return false };
+        let others: Vec<&Row> = rows.collect();
+        let steady = |&c: &usize| !others.is_empty() && others.iter().all(|row| row.holds(c, CellKind::Value));
+        let columns: Vec<usize> = (0..first.cells.len()).filter(steady).collect();
+        let begins_with = |kind| columns.iter().any(|&column| first.holds(column, kind));
+        begins_with(CellKind::Value) && begins_with(CellKind::Text)
+    }
+
+    /// The length of most rows of values, otherwise of most rows; of the first ones if there are several.
+    fn usual_width(&self) -> usize {
+        let rows = || self.rows.iter().filter(|row| !row.is_comment);
+        let is_mostly_values = |row: &&Row| 2 * row.values() >= row.cells.len();
+        let of_values: Vec<usize> = rows().filter(is_mostly_values).map(|row| row.cells.len()).collect();
+        let of_all: Vec<usize> = rows().map(|row| row.cells.len()).collect();
+        most_frequent(if of_values.is_empty() { &of_all } else { &of_values })
+    }
+
+    /// Columns of which at least half of the later rows are values.
+    fn columns_of_values(&self) -> Vec<usize> {
+        let rows: Vec<&Row> = self.rows.iter().filter(|r| !r.is_comment && r.cells.len() == self.width).collect();
+        let later = &rows[rows.len() / 2..];
+        let count = |column| later.iter().filter(|row| row.holds(column, CellKind::Value)).count();
+        (0..self.width).filter(|&column| count(column) > 0 && 2 * count(column) >= later.len()).collect()
+    }
+
+    fn table_place(&self, header: Option<bool>) -> TablePlace {
+        let names = match header {
+            Some(false) => None,
+            Some(true) => self.names_row().or_else(|| self.first_row()),
+            None => self.names_row(),
+        };
+        let Some(last) = names else {
+            return TablePlace { names: None, units: None, values: self.first_row().unwrap_or(self.rows.len()) };
+        };
+        let values = (last + 1..self.rows.len()).find(|&row| !self.rows[row].is_comment).unwrap_or(self.rows.len());
+        let is_units = |row: &usize| is_unit_line(&self.cells(*row));
+        // A line of units, or of descriptions below one.
+        let units = [Some(last), last.checked_sub(1)].into_iter().flatten().find(is_units);
+        let above = units.and_then(|units| units.checked_sub(1)).filter(|&row| self.is_names(row));
+        match above {
+            Some(names) => TablePlace { names: Some(names), units, values },
+            None => TablePlace { names: Some(last), units: None, values },
+        }
+    }
+
+    /// The last row of names above the first values. A comment is a row of names if no other row is one.
+    fn names_row(&self) -> Option<usize> {
+        if self.value_columns.is_empty() {
+            return self.rows.iter().position(|row| !row.is_comment && row.cells.len() == self.width);
+        }
+        let before = self.rows.iter().position(|row| self.is_values(row)).unwrap_or(self.rows.len());
+        let last = |is_comment| (0..before).rfind(|&i| self.rows[i].is_comment == is_comment && self.is_names(i));
+        last(false).or_else(|| last(true))
+    }
+
+    fn is_names(&self, row: usize) -> bool {
+        let row = &self.rows[row];
+        row.cells.len() == self.width
+            && row.cells.contains(&CellKind::Text)
+            && !self.value_columns.iter().any(|&column| row.holds(column, CellKind::Value))
+    }
+
+    fn is_values(&self, row: &Row) -> bool {
+        !row.is_comment
+            && row.cells.len() == self.width
+            && row.values() > 0
+            && !self.value_columns.iter().any(|&column| row.holds(column, CellKind::Text))
+    }
+
+    /// The first row that is neither a comment nor a title.
+    fn first_row(&self) -> Option<usize> {
+        self.rows.iter().position(|row| !row.is_comment && !self.is_title(row))
+    }
+
+    /// Whether a row is a sentence above a table. Between commas it may be the name of a single column with decimal commas.
+    fn is_title(&self, row: &Row) -> bool {
+        self.delimiter != b','
+            && self.width > 1
+            && row.cells == [CellKind::Text]
+            && row.line.bytes(self.text).trim_ascii().contains(&b' ')
+    }
+}
+
+/// The most frequent of some lengths, the first of several.
+fn most_frequent(lengths: &[usize]) -> usize {
+    let count = |length: &usize| lengths.iter().filter(|other| *other == length).count();
+    lengths.iter().rev().max_by_key(|length| count(length)).copied().unwrap_or_default()
+}
+
+/// A line that is a comment, without the sign of it.
+fn without_comment_sign(line: &[u8]) -> &[u8] {
+    let start = line.trim_ascii_start();
+    match start.iter().position(|b| !matches!(b, b'#' | b'%')) {
+        Some(0) => line,
+        Some(signs) => &start[signs..],
+        None => &[],
+    }
+}
+
+fn is_comment(line: &[u8]) -> bool {
+    matches!(line.trim_ascii_start().first(), Some(b'#' | b'%'))
+}
+
+fn record(line: &[u8], delimiter: u8) -> ByteRecord {
+    let line = prepared(line, delimiter);
+    let mut record = ByteRecord::new();
+    // Reading from memory cannot fail.
+    let _ = rows(&line, delimiter).read_byte_record(&mut record);
+    record
+}
+
+fn row(text: &[u8], line: Line, delimiter: u8, set: Option<Decimal>, decimal: &mut DecimalEvidence) -> Row {
+    let bytes = line.bytes(text);
+    let is_comment = is_comment(bytes);
+    let record = record(without_comment_sign(bytes), delimiter);
+    let cells = record.iter().take(MOST_CELLS).map(|cell| cell_kind(cell, delimiter, set, decimal)).collect();
+    Row { line, is_comment, cells }
+}
+
+fn cell_kind(cell: &[u8], delimiter: u8, set: Option<Decimal>, decimal: &mut DecimalEvidence) -> CellKind {
+    let by_commas = (delimiter == b',').then_some(Decimal::Point);
+    if Numbers::new(set.or(by_commas), true).read(cell).is_some() {
+        decimal.add(cell);
+        return CellKind::Value;
+    }
+    let text = characters(cell);
+    match text.trim() {
+        "" => CellKind::Missing,
+        text if Stamp::parse(text).is_some() => CellKind::Value,
+        _ => CellKind::Text,
+    }
+}
+
+impl DecimalEvidence {
+    fn add(&mut self, number: &[u8]) {
+        self.has_point |= number.contains(&b'.');
+        if self.shown.is_none() && number.iter().any(|b| matches!(b, b'.' | b',')) {
+            self.shown = Decimal::shown_by(&characters(number));
+        }
+    }
+}
