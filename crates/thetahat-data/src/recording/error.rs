@@ -243,6 +243,24 @@ pub enum RecordingError {
         found: String,
     },
 
+    /// The rows of joint states name their joints in different orders.
+    #[error(
+        "{file}: line {line}, column {column:?}: the rows name joints in different orders: {found:?} is where {expected:?} was \
+         before; record with one publisher of joint states, or read the bag instead"
+    )]
+    JointOrder {
+        /// The file.
+        file: PathBuf,
+        /// The first line with another order, counted from 1.
+        line: u64,
+        /// The name of the column.
+        column: String,
+        /// The joint that the first row names there.
+        expected: String,
+        /// The joint that this row names there.
+        found: String,
+    },
+
     /// Dates or times of day have a unit other than the second.
     #[error(
         "{file}: {column:?}: dates and times of day are read as seconds from the first one, but the unit is {:?}; set \

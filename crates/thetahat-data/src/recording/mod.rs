@@ -69,6 +69,8 @@ mod unit;
 
 #[cfg(test)]
 mod test_files;
+#[cfg(test)]
+mod written_elsewhere;
 
 pub use bag::{BagError, OtherTopic};
 pub use checks::{STEP_TOLERANCE, not_all_zero, one_channel, same_length, sample_rate_from_time};

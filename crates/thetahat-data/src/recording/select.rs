@@ -5,7 +5,7 @@ use std::path::Path;
 use super::checks::require_finite;
 use super::error::RecordingError;
 use super::format::{Format, Holds};
-use super::table::{Column, Table, indexed, is_without_unit};
+use super::table::{Column, Table, indexed, is_other_spelling};
 use thetahat_ground::series::Series;
 
 /// The named columns of a table, joined.
@@ -95,14 +95,14 @@ fn named_channel<'a>(table: &'a Table, asked: &str) -> Option<Selected<'a>> {
     table.columns.iter().find_map(channel)
 }
 
-/// A column that is asked for by its name without the unit; in a text, also by its number from 1.
+/// A column that is asked for by another spelling of its name; in a text, also by its number from 1.
 fn without_name<'a>(
     table: &'a Table,
     format: Format,
     asked: &str,
     path: &Path,
 ) -> Result<Option<&'a Column>, RecordingError> {
-    let mut columns = table.columns.iter().filter(|column| is_without_unit(asked, &column.name));
+    let mut columns = table.columns.iter().filter(|column| is_other_spelling(asked, &column.name));
     match (columns.next(), columns.count()) {
         (Some(column), 0) => return Ok(Some(column)),
         (Some(_), others) => {

@@ -1,6 +1,6 @@
 //! Times in two columns of whole numbers: seconds, and the nanoseconds beyond them.
 
-use super::table::{Column, Table, is_without_unit, parts_of_time};
+use super::table::{Column, Table, is_other_spelling, parts_of_time};
 
 const NANOSECONDS_PER_SECOND: f64 = 1e9;
 /// Seconds since 1970 of the dates of recordings: after 1973 and before 2286.
@@ -17,7 +17,7 @@ pub(super) fn add_requested(table: &mut Table, asked: &[String]) {
             continue;
         }
         let find = |part: &str| {
-            let named = table.columns.iter().find(|c| c.name == part || is_without_unit(part, &c.name));
+            let named = table.columns.iter().find(|c| c.name == part || is_other_spelling(part, &c.name));
             let numbered = part.parse::<usize>().ok().and_then(|number| table.columns.get(number.checked_sub(1)?));
             named.or(numbered)
         };

@@ -39,6 +39,8 @@ pub(super) enum Flaw {
     NotFinite { line: u64, found: f64 },
     /// The first of several dates whose days and months cannot be told apart.
     UnclearDate { line: u64, found: String },
+    /// The first row whose joints are in another order, and a joint where another one was before.
+    JointOrder { line: u64, expected: String, found: String },
     /// The whole column is not numeric: a phrase such as `text` or `a cell array`. It has no values.
     Kind(String),
 }
@@ -91,6 +93,9 @@ impl Column {
             Some(Flaw::Text { line, found }) => Err(RecordingError::NotANumber { file, line, column, found }),
             Some(Flaw::NotFinite { line, found }) => Err(RecordingError::NotFinite { file, line, column, found }),
             Some(Flaw::UnclearDate { line, found }) => Err(RecordingError::UnclearDate { file, line, column, found }),
+            Some(Flaw::JointOrder { line, expected, found }) => {
+                Err(RecordingError::JointOrder { file, line, column, expected, found })
+            }
             Some(Flaw::Kind(found)) => Err(RecordingError::NotNumeric { file, column, found }),
         }
     }
@@ -115,7 +120,7 @@ impl RequestedColumns<'_> {
     /// Whether a column is requested: by its name with or without its unit, one column of it as `name[3]`, or as a part of a time.
     pub(super) fn includes(self, name: &str) -> bool {
         let is_asked = |asked: &str| {
-            asked == name || indexed(asked).is_some_and(|(n, _)| n == name) || is_without_unit(asked, name)
+            asked == name || indexed(asked).is_some_and(|(n, _)| n == name) || is_other_spelling(asked, name)
         };
         self.any(|asked| is_asked(asked) || parts_of_time(asked).any(|(a, b)| is_asked(a) || is_asked(b)))
     }
@@ -134,9 +139,13 @@ impl RequestedColumns<'_> {
     }
 }
 
-/// Whether a name is another one without its unit: `q` of `q [deg]`.
-pub(super) fn is_without_unit(asked: &str, name: &str) -> bool {
-    name.strip_prefix(asked).is_some_and(|unit| unit.starts_with(" [") && unit.ends_with(']'))
+/// Whether a name is meant that is asked for without its unit, or with the sign of a comment before it: `q` or `%q` of `q [deg]`.
+pub(super) fn is_other_spelling(asked: &str, name: &str) -> bool {
+    let plain = asked.trim_start_matches(['%', '#']).trim_start();
+    if plain.len() < asked.len() && plain == name {
+        return true;
+    }
+    !asked.is_empty() && name.strip_prefix(asked).is_some_and(|unit| unit.starts_with(" [") && unit.ends_with(']'))
 }
 
 /// The parts of `sec+nanosec`, for each sign.

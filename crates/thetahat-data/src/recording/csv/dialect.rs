@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::super::error::RecordingError;
+use super::joint_states::JointColumns;
 use super::names::column_names;
 use super::number::{Decimal, Numbers};
 use super::sample::Sample;
@@ -39,6 +40,8 @@ pub(super) struct Detected {
     pub(super) numbers: Numbers,
     /// The names of the columns, each different; none if they are numbered.
     pub(super) names: Option<Vec<String>>,
+    /// The joints of the columns, where every row names them.
+    pub(super) joints: JointColumns,
     /// The first byte of the values.
     pub(super) start: usize,
     /// The line of the first values, from 1.
@@ -78,10 +81,12 @@ impl Dialect {
         let values = sample.line(sample.table.values);
         let names = sample.table.names.and_then(|row| sample.line(row));
         let line = values.map_or(1, |line| line.number);
+        let of_columns = column_names(sample);
         Detected {
             delimiter: sample.delimiter,
             numbers: sample.numbers(self.decimal),
-            names: column_names(sample),
+            joints: JointColumns::of(sample, of_columns.as_deref()),
+            names: of_columns,
             start: values.map_or(text.len(), |line| line.start),
             line,
             first_line: names.map_or(line, |line| line.number),

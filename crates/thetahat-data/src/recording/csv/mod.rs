@@ -8,6 +8,7 @@
 //! | `stamp`, `stamps` | dates and times of day in cells, and columns of them in seconds |
 //! | `sample` | the first rows at a delimiter: which are names, units and values |
 //! | `unit_line`, `names` | the line of units, and the names of the columns |
+//! | `joint_states` | joints that every row names |
 //! | `dialect` | the settings, and their detection if unset: delimiter, header and lines above it |
 //! | `values` | the values of one channel while its cells are read |
 //! | `read` | reads a whole file into a table |
@@ -16,6 +17,7 @@
 
 mod dialect;
 mod encoding;
+mod joint_states;
 mod names;
 mod number;
 mod pieces;
@@ -36,3 +38,5 @@ pub(super) use transposed::has_channels_in_rows;
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_of_tools;

@@ -70,7 +70,8 @@ impl TextPieces {
             detected => detected?,
         };
         let (columns, numbers, _) = read_columns(text, path, dialect, &detected, wanted)?;
-        if numbers.decimal().is_none() || columns.iter().any(|column| column.in_seconds) {
+        let needs_all = |column: &Column| column.in_seconds || !column.channel_names.is_empty();
+        if numbers.decimal().is_none() || columns.iter().any(needs_all) {
             return Ok(None);
         }
         let (delimiter, first_line, line) = (detected.delimiter, detected.first_line, detected.line);

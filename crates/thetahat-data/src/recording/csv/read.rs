@@ -7,7 +7,7 @@ use csv::ByteRecord;
 use memchr::memchr;
 
 use super::super::error::RecordingError;
-use super::super::table::{Column, RequestedColumns, Table};
+use super::super::table::{Column, Flaw, RequestedColumns, Table};
 use super::dialect::{Detected, Dialect};
 use super::encoding::decoded;
 use super::number::Numbers;
@@ -95,12 +95,14 @@ struct Columns<'a> {
     names: Vec<String>,
     /// The requested columns by their indices.
     read: Vec<(usize, Values)>,
+    /// The first row whose names of joints are others.
+    other_order: Option<Flaw>,
 }
 
 impl<'a> Columns<'a> {
     fn of(path: &'a Path, body: &'a Body<'a>, prepared: &'a [u8], detected: &'a Detected) -> Self {
         let numbers = detected.numbers;
-        Self { path, body, prepared, detected, numbers, names: Vec::new(), read: Vec::new() }
+        Self { path, body, prepared, detected, numbers, names: Vec::new(), read: Vec::new(), other_order: None }
     }
 
     fn name(&mut self, names: Vec<String>, wanted: RequestedColumns<'_>) -> Result<(), RecordingError> {
@@ -108,17 +110,22 @@ impl<'a> Columns<'a> {
             let (file, line) = (self.path.to_owned(), self.detected.first_line);
             return Err(RecordingError::TooManyColumns { file, line, found: names.len(), limit: MOST_COLUMNS });
         }
-        let is_read = |&i: &usize| wanted.includes(&names[i]) || wanted.includes_number(i + 1);
+        let is_signal = |i: usize| self.detected.joints.signal(i).is_some_and(|signal| wanted.includes(signal));
+        let is_read = |&i: &usize| wanted.includes(&names[i]) || wanted.includes_number(i + 1) || is_signal(i);
         self.read = (0..names.len()).filter(is_read).map(|i| (i, Values::default())).collect();
         self.names = names;
         Ok(())
     }
 
     fn finished(self, day_first: Option<bool>) -> Vec<Column> {
-        let unread = |name| Column::of_numbers(name, 1, Vec::new());
-        let mut columns: Vec<Column> = self.names.into_iter().map(unread).collect();
+        let signals = |i: usize| self.detected.joints.signal(i).into_iter().cloned().collect();
+        let unread = |(i, name)| Column { channel_names: signals(i), ..Column::of_numbers(name, 1, Vec::new()) };
+        let mut columns: Vec<Column> = self.names.into_iter().enumerate().map(unread).collect();
         for (place, values) in self.read {
-            columns[place] = values.into_column(std::mem::take(&mut columns[place].name), day_first);
+            let Column { name, channel_names, .. } = columns[place].clone();
+            let column = values.into_column(name, day_first);
+            let of_order = self.other_order.clone().filter(|_| !channel_names.is_empty());
+            columns[place] = Column { flaw: column.flaw.or(of_order), channel_names, ..column };
         }
         columns
     }
@@ -144,6 +151,9 @@ impl<'a> Columns<'a> {
             return Err(self.row_length(row));
         }
         let (body, prepared) = (self.body, self.prepared);
+        if self.other_order.is_none() {
+            self.other_order = self.detected.joints.other_order(row, || body.line_of(row, prepared));
+        }
         for (place, values) in &mut self.read {
             values.push(&row[*place], &mut self.numbers, || body.line_of(row, prepared));
         }

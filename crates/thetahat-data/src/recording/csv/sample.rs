@@ -1,11 +1,9 @@
 //! The first rows of a text, split at a given delimiter, and the place of the table in them.
 
-use csv::ByteRecord;
-
 use super::dialect::Dialect;
 use super::number::{Decimal, Numbers};
 use super::stamp::Stamp;
-use super::text::{Line, characters, prepared, rows};
+use super::text::{Line, cells, characters};
 use super::unit_line::is_unit_line;
 
 /// Most cells of a row that are examined.
@@ -88,9 +86,13 @@ impl<'a> Sample<'a> {
 
     /// The texts of a row's cells.
     pub(super) fn cells(&self, row: usize) -> Vec<String> {
-        let cells =
-            self.rows.get(row).map(|row| record(without_comment_sign(row.line.bytes(self.text)), self.delimiter));
-        cells.iter().flatten().map(|cell| characters(cell).trim().to_owned()).collect()
+        let line = self.rows.get(row).map_or(&[][..], |row| without_comment_sign(row.line.bytes(self.text)));
+        cells(line, self.delimiter).iter().map(|cell| characters(cell).trim().to_owned()).collect()
+    }
+
+    /// Whether a column begins with text.
+    pub(super) fn is_text(&self, column: usize) -> bool {
+        self.rows.get(self.table.values).is_some_and(|row| row.holds(column, CellKind::Text))
     }
 
     /// Whether a row of texts may name groups of the columns below it.
@@ -245,19 +247,11 @@ fn is_comment(line: &[u8]) -> bool {
     matches!(line.trim_ascii_start().first(), Some(b'#' | b'%'))
 }
 
-fn record(line: &[u8], delimiter: u8) -> ByteRecord {
-    let line = prepared(line, delimiter);
-    let mut record = ByteRecord::new();
-    // Reading from memory cannot fail.
-    let _ = rows(&line, delimiter).read_byte_record(&mut record);
-    record
-}
-
 fn row(text: &[u8], line: Line, delimiter: u8, set: Option<Decimal>, decimal: &mut DecimalEvidence) -> Row {
     let bytes = line.bytes(text);
     let is_comment = is_comment(bytes);
-    let record = record(without_comment_sign(bytes), delimiter);
-    let cells = record.iter().take(MOST_CELLS).map(|cell| cell_kind(cell, delimiter, set, decimal)).collect();
+    let cells = cells(without_comment_sign(bytes), delimiter);
+    let cells = cells.iter().take(MOST_CELLS).map(|cell| cell_kind(cell, delimiter, set, decimal)).collect();
     Row { line, is_comment, cells }
 }
 

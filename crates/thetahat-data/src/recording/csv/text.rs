@@ -96,6 +96,29 @@ impl<'a> Body<'a> {
     }
 }
 
+/// The cells of a line, as the reader of rows splits them.
+pub(super) fn cells(line: &[u8], delimiter: u8) -> Vec<Vec<u8>> {
+    let line = prepared(line, delimiter);
+    let mut cells = vec![Vec::new()];
+    let (mut is_quoted, mut begins) = (false, true);
+    let mut bytes = line.iter().copied().peekable();
+    while let Some(byte) = bytes.next() {
+        let cell = match cells.last_mut() {
+            Some(cell) => cell,
+            None => return cells,
+        };
+        match byte {
+            b'"' if is_quoted && bytes.next_if_eq(&b'"').is_some() => cell.push(b'"'),
+            b'"' if is_quoted => is_quoted = false,
+            b'"' if begins => is_quoted = true,
+            _ if byte == delimiter && !is_quoted => cells.push(Vec::new()),
+            _ => cell.push(byte),
+        }
+        begins = byte == delimiter && !is_quoted;
+    }
+    cells
+}
+
 /// A text or line prepared for the reader of rows.
 pub(super) fn prepared(bytes: &[u8], delimiter: u8) -> Cow<'_, [u8]> {
     if delimiter == b' ' { Cow::Owned(single_spaces(bytes)) } else { Cow::Borrowed(bytes) }
@@ -141,6 +164,17 @@ mod tests {
         let text = b"a\nb\r\nc\rd";
         let found: Vec<(&[u8], u64)> = lines(text).map(|line| (line.bytes(text), line.number)).collect();
         assert_eq!(found, [(&b"a"[..], 1), (b"b", 2), (b"c", 3), (b"d", 4)]);
+    }
+
+    #[test]
+    fn cells_are_those_of_the_reader_of_rows() {
+        for line in ["a,b", "", ",", "\"a,\"\"b\",c", "\"a\"b,c", "a\"b\",c", "\"\",\"\"", "\"open, c", "a, \"b\""] {
+            let mut row = ByteRecord::new();
+            rows(line.as_bytes(), b',').read_byte_record(&mut row).unwrap();
+            let expected: Vec<Vec<u8>> = row.iter().map(<[u8]>::to_vec).collect();
+            let found = cells(line.as_bytes(), b',');
+            assert!(found == expected || line.is_empty(), "{line:?} {found:?} {expected:?}");
+        }
     }
 
     #[test]

@@ -153,6 +153,7 @@ impl FileTables {
         let tolerant = Dialect { channels_in_rows, ..tolerant };
         let (mut table, dialect) = csv::read_with_dialect(&bytes, path, &tolerant, RequestedColumns::All)?;
         split_time::add_evident(&mut table);
+        table.columns = table.columns.into_iter().flat_map(by_channel_names).collect();
         let notes = dialect.skip_lines.map(skipped_lines).into_iter().collect();
         Ok(Self { tables: vec![table], dialect: Some(dialect), other_topics: Vec::new(), notes })
     }
@@ -224,6 +225,7 @@ fn column_summary(column: &Column) -> ColumnSummary {
         Some(Flaw::UnclearDate { line, found }) => {
             Some(format!("dates that may begin with the day or the month, such as {found:?} in line {line}"))
         }
+        Some(Flaw::JointOrder { line, .. }) => Some(format!("values of another joint from line {line} on")),
         Some(Flaw::NotFinite { .. }) | None => None,
     };
     ColumnSummary {

@@ -78,7 +78,13 @@ impl Reader<'_> {
             if !name.starts_with('#') {
                 self.count_object()?;
                 let set = group.dataset(&name).map_err(|e| self.damaged(&name, &e))?;
-                let column = self.column(format!("{prefix}{name}"), &set)?;
+                let name = format!("{prefix}{name}");
+                let column = match self.column(name.clone(), &set) {
+                    Err(RecordingError::Damaged { reason, .. }) if self.convention == Convention::Hdf5 => {
+                        Column::of_kind(name, format!("a data set that cannot be read ({reason})"))
+                    }
+                    column => column?,
+                };
                 self.columns.push(column);
             }
         }

@@ -8,7 +8,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 
 use super::super::table::{RequestedColumns, Table};
-use super::super::{Format, RecordingError, select};
+use super::super::{Format, RecordingError, read_channels, select, written_elsewhere};
 use super::*;
 use thetahat_testing::Folder;
 
@@ -267,4 +267,62 @@ fn a_file_that_changes_while_it_is_read() {
     let pieces = GroupPieces::open(&path, RequestedColumns::All).unwrap().unwrap();
     std::fs::write(&path, &whole[..whole.len() / 3]).unwrap();
     assert!(matches!(pieces.read(70..120, RequestedColumns::All), Err(RecordingError::Damaged { .. })));
+}
+
+/// A dataset with one file.
+fn dataset(file: &str, names: &str) -> Folder {
+    let folder = Folder::new();
+    folder.write(format!("data/chunk-000/{FILE}"), written_elsewhere::bytes(file));
+    let info = format!(r#"{{"features": {{"observation.state": {{"names": {names}}}}}}}"#);
+    folder.write("meta/info.json", info);
+    folder
+}
+
+fn of_dataset(folder: &Folder, keys: &str) -> Result<Vec<f64>, RecordingError> {
+    let source = format!("file = 'data/chunk-000/{FILE}'\nunit = '1'\n{keys}");
+    read_channels(&toml::from_str(&source).unwrap(), folder.path()).map(|series| series.values().to_vec())
+}
+
+#[test]
+fn lists_are_columns_of_several_channels() {
+    let folder = dataset(written_elsewhere::LEROBOT_FIXED, r#"["pan.pos", "lift.pos"]"#);
+    let whole: Vec<f64> = (0..10).map(f64::from).collect();
+    assert_eq!(of_dataset(&folder, "columns = ['observation.state']").unwrap(), whole);
+    assert_eq!(of_dataset(&folder, "columns = ['action[2]']").unwrap(), [0.0, 2.0, 4.0, 6.0, 8.0]);
+    assert_eq!(of_dataset(&folder, "columns = ['observation.state.lift.pos']").unwrap(), [1.0, 3.0, 5.0, 7.0, 9.0]);
+    assert_eq!(of_dataset(&folder, "columns = ['observation.state']\nepisode = 2").unwrap(), whole);
+    let error = of_dataset(&folder, "columns = ['action']\nepisode = 3").unwrap_err();
+    assert!(matches!(error, RecordingError::MissingEpisode { episode: 3, .. }));
+    assert!(matches!(
+        of_dataset(&folder, "columns = ['action[0]']"),
+        Err(RecordingError::MissingChannel { found: 2, .. })
+    ));
+}
+
+#[test]
+fn one_episode_of_several_is_read() {
+    let folder = dataset(written_elsewhere::LEROBOT_LISTS, r#"{"motors": ["pan", "lift"]}"#);
+    assert_eq!(of_dataset(&folder, "columns = ['observation.state.pan']").unwrap(), [0.0, 2.0]);
+    assert_eq!(of_dataset(&folder, "columns = ['observation.state.pan']\nepisode = 1").unwrap(), [4.0, 6.0, 8.0]);
+    let contents = super::super::inspect(&folder.at(format!("data/chunk-000/{FILE}"))).unwrap();
+    let names: Vec<&str> = contents.tables[0].columns.iter().map(|column| column.name.as_str()).collect();
+    assert_eq!(names[..3], ["observation.state.pan", "observation.state.lift", "action"]);
+    assert!(contents.notes[0].contains("Episode 0 of the episodes 0 to 1"), "{:?}", contents.notes);
+    assert!(contents.notes[1].contains("state the unit"), "{:?}", contents.notes);
+}
+
+#[test]
+fn damaged_lists_never_panic() {
+    for file in [written_elsewhere::LEROBOT_FIXED, written_elsewhere::LEROBOT_LISTS] {
+        let whole = written_elsewhere::bytes(file);
+        for place in 0..whole.len() {
+            assert!(matches!(loaded(&whole[..place]), Err(RecordingError::Damaged { .. })), "{place}");
+            for damage in [0x00, 0x01, 0x7f, 0xff] {
+                let mut bytes = whole.clone();
+                bytes[place] = damage;
+                let _ = loaded(&bytes);
+                fuzz_pieces(&bytes);
+            }
+        }
+    }
 }
