@@ -33,7 +33,7 @@ pub enum RecordingError {
 
     /// The extension belongs to no known format.
     #[error(
-        "{file}: expected a file name that ends in .csv or .mat, or in .tsv, .txt, .dat, .npy, .npz, .h5, .hdf5, .parquet, \
+        "{file}: expected a file name that ends in .csv or .mat, or in .tsv, .tab, .txt, .dat, .asc, .log, .lvm, .npy, .npz, .h5, .hdf5, .parquet, \
          .db3 or .mcap, found {found:?}; export the recording to CSV"
     )]
     UnknownFormat {

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum Format {
-    /// Text in columns: `.csv`, `.tsv`, `.txt`, `.dat`.
+    /// Text in columns: `.csv`, `.tsv`, `.tab`, `.txt`, `.dat`, `.asc`, `.log`, `.lvm`.
     Csv,
     /// One NumPy array: `.npy`.
     Npy,
@@ -42,7 +42,7 @@ impl Format {
     /// The format of a lower-case extension; none if there is none.
     pub(super) fn of_extension(extension: &str) -> Option<Self> {
         match extension {
-            "csv" | "tsv" | "txt" | "dat" => Some(Self::Csv),
+            "csv" | "tsv" | "tab" | "txt" | "dat" | "asc" | "log" | "lvm" => Some(Self::Csv),
             "npy" => Some(Self::Npy),
             "npz" => Some(Self::Npz),
             "mat" => Some(Self::Mat),

@@ -40,6 +40,8 @@ pub(super) struct Detected {
     pub(super) numbers: Numbers,
     /// The names of the columns, each different; none if they are numbered.
     pub(super) names: Option<Vec<String>>,
+    /// Number of columns; none if the rows differ.
+    pub(super) width: Option<usize>,
     /// The joints of the columns, where every row names them.
     pub(super) joints: JointColumns,
     /// The first byte of the values.
@@ -87,6 +89,7 @@ impl Dialect {
             numbers: sample.numbers(self.decimal),
             joints: JointColumns::of(sample, of_columns.as_deref()),
             names: of_columns,
+            width: sample.is_consistent().then(|| sample.width()),
             start: values.map_or(text.len(), |line| line.start),
             line,
             first_line: names.map_or(line, |line| line.number),
@@ -96,7 +99,8 @@ impl Dialect {
     /// The first lines that are not empty, after those to be skipped.
     fn first_lines(&self, text: &[u8]) -> Vec<Line> {
         let skipped = usize::try_from(self.skip_lines.unwrap_or_default()).unwrap_or(usize::MAX);
-        let with_content = lines(text).skip(skipped).filter(|line| !line.bytes(text).trim_ascii().is_empty());
+        let is_empty = |line: &Line| line.bytes(text).trim_ascii().is_empty();
+        let with_content = lines(text).skip(skipped).filter(|line| !is_empty(line) && !names_delimiter(line, text));
         let first = |(count, line): &(usize, Line)| *count < LEAST_ROWS || line.start < SAMPLE_BYTES;
         with_content.enumerate().take_while(first).map(|(_, line)| line).take(SAMPLE_ROWS).collect()
     }
@@ -108,6 +112,12 @@ impl Dialect {
             _ => Err(RecordingError::BadDelimiter { file: path.to_owned(), found: delimiter }),
         }
     }
+}
+
+/// Whether a line is the first and only tells a spreadsheet the delimiter: `sep=;`.
+fn names_delimiter(line: &Line, text: &[u8]) -> bool {
+    let bytes = line.bytes(text).trim_ascii();
+    line.number == 1 && bytes.len() <= 5 && bytes.get(..4).is_some_and(|start| start.eq_ignore_ascii_case(b"sep="))
 }
 
 impl Detected {

@@ -134,7 +134,9 @@ impl TextPieces {
         columns: &mut [Column],
     ) -> Result<(), RecordingError> {
         let mut found = 0;
+        let mut last: &[u8] = &[];
         for cell in cells(line, self.delimiter) {
+            last = cell;
             if read.get(found) == Some(&true) {
                 let (value, column) = (numbers.read(cell), &mut columns[found]);
                 column.values.push(value.unwrap_or(f64::NAN));
@@ -144,7 +146,8 @@ impl TextPieces {
             }
             found += 1;
         }
-        if found == columns.len() {
+        let is_longer_by_nothing = found == columns.len() + 1 && last.trim_ascii().is_empty();
+        if found == columns.len() || is_longer_by_nothing {
             return Ok(());
         }
         let (expected, delimiter, first_line) = (columns.len(), self.delimiter.into(), self.first_line);

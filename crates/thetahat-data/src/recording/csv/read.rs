@@ -64,7 +64,8 @@ pub(super) fn read_columns(
     let mut is_cut = false;
     while reader.read_byte_record(&mut row).map_err(|e| unreadable(path, e))? {
         if columns.names.is_empty() {
-            columns.name((1..=row.len()).map(|number| number.to_string()).collect(), wanted)?;
+            let width = detected.width.filter(|width| *width <= MOST_COLUMNS).unwrap_or(row.len());
+            columns.name((1..=width).map(|number| number.to_string()).collect(), wanted)?;
         }
         if columns.is_cut(&row) {
             is_cut = true;
@@ -147,7 +148,8 @@ impl<'a> Columns<'a> {
     }
 
     fn add(&mut self, row: &ByteRecord) -> Result<(), RecordingError> {
-        if row.len() != self.names.len() {
+        let is_longer_by_nothing = row.len() == self.names.len() + 1 && row[row.len() - 1].trim_ascii().is_empty();
+        if row.len() != self.names.len() && !is_longer_by_nothing {
             return Err(self.row_length(row));
         }
         let (body, prepared) = (self.body, self.prepared);

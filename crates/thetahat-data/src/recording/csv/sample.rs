@@ -22,6 +22,9 @@ pub(super) struct Sample<'a> {
     pub(super) table: TablePlace,
 }
 
+/// Words for a value that is missing, in lower case.
+const MISSING: [&str; 8] = ["", "-", "--", "n/a", "na", "nil", "none", "null"];
+
 /// What a cell contains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum CellKind {
@@ -70,11 +73,13 @@ impl<'a> Sample<'a> {
         let table = TablePlace::default();
         let mut sample = Self { text, delimiter, rows, width: 0, value_columns: Vec::new(), decimal, table };
         sample.width = sample.usual_width();
+        sample.leave_out_trailing_cells();
         sample.value_columns = sample.columns_of_values();
         sample.table = sample.table_place(dialect.header);
         sample
     }
 
+    /// Number of columns of the table.
     pub(super) fn width(&self) -> usize {
         self.width
     }
@@ -87,7 +92,8 @@ impl<'a> Sample<'a> {
     /// The texts of a row's cells.
     pub(super) fn cells(&self, row: usize) -> Vec<String> {
         let line = self.rows.get(row).map_or(&[][..], |row| without_comment_sign(row.line.bytes(self.text)));
-        cells(line, self.delimiter).iter().map(|cell| characters(cell).trim().to_owned()).collect()
+        let cells = cells(line, self.delimiter, MOST_CELLS);
+        cells.iter().take(self.width.max(1)).map(|cell| characters(cell).trim().to_owned()).collect()
     }
 
     /// Whether a column begins with text.
@@ -159,6 +165,25 @@ impl<'a> Sample<'a> {
         let of_values: Vec<usize> = rows().filter(is_mostly_values).map(|row| row.cells.len()).collect();
         let of_all: Vec<usize> = rows().map(|row| row.cells.len()).collect();
         most_frequent(if of_values.is_empty() { &of_all } else { &of_values })
+    }
+
+    /// Leaves out an empty last cell that every row has, and the last cell of names that no row of values has.
+    fn leave_out_trailing_cells(&mut self) {
+        let width = self.width;
+        let mut of_table = self.rows.iter().filter(|row| !row.is_comment && row.cells.len() == width).peekable();
+        let has_rows = of_table.peek().is_some() && width > 1;
+        if has_rows && of_table.all(|row| row.holds(width - 1, CellKind::Missing)) {
+            self.width -= 1;
+        }
+        let (width, text, delimiter) = (self.width, self.text, self.delimiter);
+        let is_trailing = |row: &Row| {
+            let is_comment_column = || {
+                let cells = cells(row.line.bytes(text), delimiter, MOST_CELLS);
+                row.values() == 0 && cells.last().is_some_and(|cell| cell.trim_ascii().eq_ignore_ascii_case(b"comment"))
+            };
+            row.cells.len() == width + 1 && (row.holds(width, CellKind::Missing) || is_comment_column())
+        };
+        self.rows.iter_mut().filter(|row| is_trailing(row)).for_each(|row| row.cells.truncate(width));
     }
 
     /// Columns of which at least half of the later rows are values.
@@ -250,8 +275,8 @@ fn is_comment(line: &[u8]) -> bool {
 fn row(text: &[u8], line: Line, delimiter: u8, set: Option<Decimal>, decimal: &mut DecimalEvidence) -> Row {
     let bytes = line.bytes(text);
     let is_comment = is_comment(bytes);
-    let cells = cells(without_comment_sign(bytes), delimiter);
-    let cells = cells.iter().take(MOST_CELLS).map(|cell| cell_kind(cell, delimiter, set, decimal)).collect();
+    let cells = cells(without_comment_sign(bytes), delimiter, MOST_CELLS);
+    let cells = cells.iter().map(|cell| cell_kind(cell, delimiter, set, decimal)).collect();
     Row { line, is_comment, cells }
 }
 
@@ -263,7 +288,7 @@ fn cell_kind(cell: &[u8], delimiter: u8, set: Option<Decimal>, decimal: &mut Dec
     }
     let text = characters(cell);
     match text.trim() {
-        "" => CellKind::Missing,
+        text if MISSING.contains(&text.to_ascii_lowercase().as_str()) => CellKind::Missing,
         text if Stamp::parse(text).is_some() => CellKind::Value,
         _ => CellKind::Text,
     }

@@ -162,7 +162,8 @@ fn parse_date(text: &str) -> Option<Date> {
     if let Some(year) = year(first) {
         return Some(Date::Days(days_since_1970(year, small(second, 12)?, small(third, 31)?)));
     }
-    let year = year(third)?;
+    let of_century = |text: &str| number(text, 99).filter(|_| text.len() == 2 && sign != '-').map(|year| 2000 + year);
+    let year = year(third).or_else(|| of_century(third))?;
     if let Some(month) = MONTHS.iter().position(|name| second.eq_ignore_ascii_case(name)) {
         return Some(Date::Days(days_since_1970(year, month as u8 + 1, small(first, 31)?)));
     }
@@ -198,7 +199,7 @@ mod tests {
     /// Days by Python 3.11: `(datetime.date(y, m, d) - datetime.date(1970, 1, 1)).days`.
     #[test]
     fn dates_in_several_notations() {
-        for text in ["2026-11-25", "2026/11/25", "25.11.2026", "25/11/2026", "25-Nov-2026"] {
+        for text in ["2026-11-25", "2026/11/25", "25.11.2026", "25/11/2026", "25-Nov-2026", "25.11.26"] {
             assert_eq!(days(text), 20_782, "{text}");
         }
         assert_eq!((days("1970-01-01"), days("2000-02-29"), days("2024-03-01")), (0, 11_016, 19_783));

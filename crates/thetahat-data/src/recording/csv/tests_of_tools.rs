@@ -71,6 +71,37 @@ fn lines_are_skipped_where_that_is_asked_for() {
 }
 
 #[test]
+fn a_delimiter_after_the_last_column_is_no_column() {
+    for text in ["t;q;\n0;1,5;\n1;2,5;\n", "t;q\n0;1,5;\n1;2,5;\n", "t;q;\n0;1,5\n1;2,5\n", "0;1,5;\n1;2,5;\n"] {
+        assert_eq!(read_text(text, "").unwrap(), [0.0, 1.5, 1.0, 2.5], "{text:?}");
+    }
+    // A column whose values are all missing has a name.
+    let error = read_text("t;q;note\n0;1,5;\n1;2,5;\n", "columns = ['note']").unwrap_err();
+    assert!(matches!(error, RecordingError::NotANumber { line: 2, column, .. } if column == "note"));
+    assert!(matches!(read_text("t;q\n0;1\n0;1;2\n", ""), Err(RecordingError::RowLength { line: 3, .. })));
+}
+
+/// The column of comments is named, and rows have no cell for it.
+#[test]
+fn labview_measurements() {
+    let text = "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\n***End_of_Header***\t\n\nChannels\t2\t\t\nSamples\t1\t1\t\n\
+                ***End_of_Header***\t\t\t\nX_Value\tq\ttau\tComment\n0.0\t1.5\t2.5\n0.1\t3.5\t4.5\n";
+    assert_eq!(columns(text, "['q', 'X_Value']"), [1.5, 0.0, 3.5, 0.1]);
+}
+
+#[test]
+fn words_for_missing_values_are_no_names() {
+    let text = "t,q\nn/a,n/a\n0,1\n1,2\n";
+    assert!(matches!(read_text(text, "columns = ['q']"), Err(RecordingError::NotANumber { line: 2, .. })));
+}
+
+#[test]
+fn a_line_that_tells_the_delimiter() {
+    assert_eq!(read_text("sep=;\nt;q\n0;1,5\n", "columns = ['q']").unwrap(), [1.5]);
+    assert_eq!(read_text("sep=;\n0;1,5\n1;2,5\n", "columns = ['2']").unwrap(), [1.5, 2.5]);
+}
+
+#[test]
 fn names_behind_the_sign_of_a_comment() {
     assert_eq!(
         columns("%time,field.position0\n10,1.5\n20,2.5\n", "['field.position0', 'time']"),

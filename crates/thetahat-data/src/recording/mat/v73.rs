@@ -72,10 +72,15 @@ impl Reader<'_> {
         RecordingError::damaged(self.path, format!("HDF5 {what}: {error}"))
     }
 
-    /// Adds the variables of a group: of the file, or the fields of a structure. MATLAB's internal groups begin with `#`.
+    /// Whether a group or data set is not one of MATLAB's own, whose names begin with `#`.
+    fn is_variable(&self, name: &str) -> bool {
+        self.convention == Convention::Hdf5 || !name.starts_with('#')
+    }
+
+    /// Adds the variables of a group: of the file, or the fields of a structure.
     fn add_group(&mut self, prefix: &str, group: &Group, depth: usize) -> Result<(), RecordingError> {
         for name in group.datasets().map_err(|e| self.damaged("group", &e))? {
-            if !name.starts_with('#') {
+            if self.is_variable(&name) {
                 self.count_object()?;
                 let set = group.dataset(&name).map_err(|e| self.damaged(&name, &e))?;
                 let name = format!("{prefix}{name}");
@@ -89,7 +94,7 @@ impl Reader<'_> {
             }
         }
         for name in group.groups().map_err(|e| self.damaged("group", &e))? {
-            if !name.starts_with('#') && depth < DEEPEST_STRUCTURE {
+            if self.is_variable(&name) && depth < DEEPEST_STRUCTURE {
                 self.count_object()?;
                 let inner = group.group(&name).map_err(|e| self.damaged(&name, &e))?;
                 self.add_inner(format!("{prefix}{name}"), &inner, depth + 1)?;
