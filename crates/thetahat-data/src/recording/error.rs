@@ -276,6 +276,22 @@ pub enum RecordingError {
         found: Unit,
     },
 
+    /// The unit that the file gives to a column is not the stated one.
+    #[error(
+        "{file}: {column:?}: the file gives the unit {:?}, and the stated unit is {:?}; set unit = {:?}",
+        .expected.symbol(), .found.symbol(), .expected.symbol()
+    )]
+    OtherUnit {
+        /// The file.
+        file: PathBuf,
+        /// The name of the column, with its unit.
+        column: String,
+        /// The unit in the file.
+        expected: Unit,
+        /// The unit given.
+        found: Unit,
+    },
+
     /// The file is read after a conversion by another program.
     #[error("{file}: {what} is not read; convert it: {remedy}")]
     ToConvert {

@@ -48,7 +48,8 @@ pub fn hdf5(bytes: &[u8]) {
 /// A Parquet file, whole and a piece of it.
 #[cfg(feature = "parquet")]
 pub fn parquet(bytes: &[u8]) {
-    let _ = super::parquet::read_episode(bytes.to_vec(), Path::new("fuzz.parquet"), None, RequestedColumns::All);
+    let info = super::parquet::DatasetInfo::default();
+    let _ = super::parquet::read_episode(bytes.to_vec(), Path::new("fuzz.parquet"), info, None, RequestedColumns::All);
     super::parquet::fuzz_pieces(bytes);
 }
 

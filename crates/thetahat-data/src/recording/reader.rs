@@ -28,18 +28,20 @@ impl Format {
 
 /// How a table is read from a file.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct TableOptions {
+pub(super) struct TableOptions<'a> {
     /// Of a text.
     pub(super) dialect: Dialect,
     /// Of a Parquet file with several episodes; none means the first.
     pub(super) episode: Option<u64>,
+    /// The folder that nothing is read outside of; none means anywhere.
+    pub(super) root: Option<&'a Path>,
 }
 
 /// The table in a file. For bags see `bag`.
 pub(super) fn table(
     path: &Path,
     format: Format,
-    options: &TableOptions,
+    options: &TableOptions<'_>,
     wanted: RequestedColumns<'_>,
 ) -> Result<Table, RecordingError> {
     table_with_notes(path, format, options, wanted).map(|(table, _)| table)
@@ -49,7 +51,7 @@ pub(super) fn table(
 pub(super) fn table_with_notes(
     path: &Path,
     format: Format,
-    options: &TableOptions,
+    options: &TableOptions<'_>,
     wanted: RequestedColumns<'_>,
 ) -> Result<(Table, Vec<String>), RecordingError> {
     let bytes = file_bytes(path)?;
@@ -59,7 +61,7 @@ pub(super) fn table_with_notes(
         Format::Npz => archive(&bytes, path, wanted),
         Format::Mat => mat::read(bytes, path, wanted),
         Format::Hdf5 => mat::read_hdf5(bytes, path, wanted),
-        Format::Parquet => return parquet(bytes, path, options.episode, wanted),
+        Format::Parquet => return parquet(bytes, path, options, wanted),
         Format::Db3 | Format::Mcap => Ok(Table::default()),
     };
     table.map(|table| (table, Vec::new()))
@@ -79,17 +81,18 @@ fn archive(_: &[u8], path: &Path, _: RequestedColumns<'_>) -> Result<Table, Reco
 fn parquet(
     bytes: Vec<u8>,
     path: &Path,
-    episode: Option<u64>,
+    options: &TableOptions<'_>,
     wanted: RequestedColumns<'_>,
 ) -> Result<(Table, Vec<String>), RecordingError> {
-    super::parquet::read_episode(bytes, path, episode, wanted)
+    let info = super::parquet::DatasetInfo::of(path, options.root);
+    super::parquet::read_episode(bytes, path, info, options.episode, wanted)
 }
 
 #[cfg(not(feature = "parquet"))]
 fn parquet(
     _: Vec<u8>,
     path: &Path,
-    _: Option<u64>,
+    _: &TableOptions<'_>,
     _: RequestedColumns<'_>,
 ) -> Result<(Table, Vec<String>), RecordingError> {
     Err(RecordingError::FeatureMissing { file: path.to_owned(), format: "Parquet files", feature: "parquet" })

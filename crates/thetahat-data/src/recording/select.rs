@@ -9,14 +9,15 @@ use super::table::{Column, Table, indexed, is_other_spelling};
 use thetahat_ground::series::Series;
 
 /// The named columns of a table, joined.
-///
-/// A column of several channels gives all of them, `name[3]` its third. Without names, all columns of a file that is one table, or the only
-/// numeric variable of another file.
+#[cfg(test)]
 pub(super) fn series(table: &Table, format: Format, asked: &[String], path: &Path) -> Result<Series, RecordingError> {
     columns(table, format, asked, path)?.series(path)
 }
 
 /// The named columns of a table, in the order of the names.
+///
+/// A column of several channels gives all of them, `name[3]` its third. Without names, all columns of a file that is one table, or the only
+/// numeric variable of another file.
 pub(super) fn columns<'a>(
     table: &'a Table,
     format: Format,
@@ -47,15 +48,14 @@ impl<'a> SelectedColumns<'a> {
         Ok(side_by_side(&self.0))
     }
 
-    /// The columns of dates or times of day, each with the index of its channel.
-    pub(super) fn in_seconds(&self) -> impl Iterator<Item = (usize, &'a Column)> {
+    /// The columns, each with the index of its first channel.
+    pub(super) fn with_channels(&self) -> impl Iterator<Item = (usize, &'a Column)> {
         let mut channel = 0;
-        let numbered = self.0.iter().map(move |(column, only)| {
+        self.0.iter().map(move |(column, only)| {
             let first = channel;
             channel += if only.is_some() { 1 } else { column.channels };
             (first, *column)
-        });
-        numbered.filter(|(_, column)| column.in_seconds)
+        })
     }
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::csv::{Decimal, Dialect};
+use super::csv::{self, Decimal, Dialect};
 use super::error::RecordingError;
 use super::format::Format;
 use super::layout::{self, Layout};
@@ -317,6 +317,11 @@ impl ChannelSource {
         }
     }
 
+    /// The folder that nothing is read outside of; none if the file may be anywhere.
+    pub(super) fn root<'a>(&self, root: &'a Path) -> Option<&'a Path> {
+        (!self.anywhere).then_some(root)
+    }
+
     /// The path to read from: inside the folder of the data, unless the file may be anywhere.
     pub(super) fn place(&self, root: &Path) -> Result<PathBuf, RecordingError> {
         if self.anywhere { Ok(self.path(root)) } else { place::inside(root, &self.file) }
@@ -335,7 +340,7 @@ pub fn read_channels(source: &ChannelSource, root: &Path) -> Result<Series, Reco
     source.refuse_repetition()?;
     let format = Format::of(&source.file)?;
     source.refuse_useless_settings(format)?;
-    let mut series = read(source, format, &source.place(root)?)?;
+    let mut series = read(source, format, source.root(root), &source.place(root)?)?;
     let factors = source.factors(series.channels())?;
     if source.is_split_time() {
         subtract_first(&mut series);
@@ -360,35 +365,48 @@ fn sums(series: &Series) -> Series {
 }
 
 /// The channels in the units of the file.
-fn read(source: &ChannelSource, format: Format, path: &Path) -> Result<Series, RecordingError> {
+fn read(source: &ChannelSource, format: Format, root: Option<&Path>, path: &Path) -> Result<Series, RecordingError> {
     if format.is_bag() {
         return bag::channels(path, format, source.topic.as_deref(), &source.columns);
     }
     let mut columns = source.columns.clone();
     columns.extend(source.channel_column.clone());
     let wanted = if columns.is_empty() { RequestedColumns::All } else { RequestedColumns::Named(&columns) };
-    let options = TableOptions { dialect: source.dialect(), episode: source.episode };
+    let options = TableOptions { dialect: source.dialect(), episode: source.episode, root };
     let mut table = table(path, format, &options, wanted)?;
     if source.channels_in_rows {
         table.columns.iter_mut().for_each(Column::transpose);
     }
     split_time::add_requested(&mut table, &columns);
     let columns = select::columns(&table, format, &columns, path)?;
-    require_seconds(source, &columns, path)?;
+    require_units_of_file(source, &columns, path)?;
     layout::laid_out(source.layout(), columns.series(path)?, path)
 }
 
-/// Dates and times of day are in seconds, whatever the unit of the other columns.
-fn require_seconds(source: &ChannelSource, columns: &SelectedColumns<'_>, path: &Path) -> Result<(), RecordingError> {
-    let unit = |channel: usize| match &source.unit {
+/// Dates and times of day are in seconds. A unit that the file gives to a column, and that was left out of its name, is the one that is
+/// stated, unless a gain converts the values.
+pub(super) fn require_units_of_file(
+    source: &ChannelSource,
+    columns: &SelectedColumns<'_>,
+    path: &Path,
+) -> Result<(), RecordingError> {
+    let stated = |channel: usize| match &source.unit {
         OneOrEach::One(unit) => Some(*unit),
         OneOrEach::Each(units) => units.get(channel).copied(),
     };
-    let other = |(channel, column): (usize, &Column)| {
-        let found = unit(channel).filter(|unit| *unit != Unit::Second)?;
-        Some(RecordingError::UnitOfStamps { file: path.to_owned(), column: column.name.clone(), found })
-    };
-    columns.in_seconds().find_map(other).map_or(Ok(()), Err)
+    for (place, (channel, column)) in columns.with_channels().enumerate() {
+        let Some(found) = stated(channel) else { continue };
+        let (file, name) = (path.to_owned(), column.name.clone());
+        if column.in_seconds && found != Unit::Second {
+            return Err(RecordingError::UnitOfStamps { file, column: name, found });
+        }
+        let left_out = source.columns.get(place).and_then(|asked| csv::unit_left_out(asked, &column.name));
+        match left_out.filter(|unit| *unit != found && source.gain.is_none()) {
+            Some(expected) => return Err(RecordingError::OtherUnit { file, column: name, expected, found }),
+            None => {}
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]

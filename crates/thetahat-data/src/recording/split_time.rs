@@ -67,7 +67,8 @@ fn are_nanoseconds(column: &Column) -> bool {
 /// The times in seconds from the first, before a difference of large numbers could be rounded.
 fn joined(name: String, seconds: &Column, rest: &Column) -> Option<Column> {
     let (first, first_rest) = (seconds.values.first()?, rest.values.first()?);
-    if seconds.channels != 1 || rest.channels != 1 || seconds.in_seconds || rest.in_seconds {
+    let differ = seconds.values.len() != rest.values.len();
+    if differ || seconds.channels != 1 || rest.channels != 1 || seconds.in_seconds || rest.in_seconds {
         return None;
     }
     let time = |(second, rest): (&f64, &f64)| (second - first) + (rest - first_rest) / NANOSECONDS_PER_SECOND;

@@ -30,7 +30,8 @@ impl JointColumns {
             Some(names) => Self::by_names(names, &cells, is_text),
             None => Self::by_arrangement(&cells, is_text),
         };
-        if found.has_equal_joints() { Self::default() } else { found }
+        let are_joints = names.is_some() || found.are_in_all(sample);
+        if !are_joints || found.has_equal_joints() { Self::default() } else { found }
     }
 
     /// `field.name0` beside `field.position0`.
@@ -61,13 +62,27 @@ impl JointColumns {
         let first_value = CELLS_BEFORE_NAMES + count;
         let are_values = [0, 1].into_iter().chain(first_value..cells.len()).all(|column| !is_text(column));
         let values = cells.len().saturating_sub(first_value);
-        if count == 0 || !are_values || !(values == count || values == SIGNALS.len() * count) {
+        let is_stamp = matches!(cells, [seconds, nanoseconds, ..] if is_whole(seconds) && is_whole(nanoseconds));
+        if count == 0 || !is_stamp || !are_values || !(values == count || values == SIGNALS.len() * count) {
             return Self::default();
         }
         let joints: Vec<(usize, String)> = rest.take(count).map(|column| (column, cells[column].clone())).collect();
         let signal = |place: usize| format!("{}.{}", joints[place % count].1, SIGNALS[place / count]);
         let signals = (0..values).map(|place| (first_value + place, signal(place))).collect();
         Self { joints, signals }
+    }
+
+    /// Whether all rows have the same names, in any order.
+    fn are_in_all(&self, sample: &Sample<'_>) -> bool {
+        let names = |cells: &[String]| {
+            let mut names: Vec<String> =
+                self.joints.iter().filter_map(|(column, _)| cells.get(*column).cloned()).collect();
+            names.sort();
+            names
+        };
+        let mut rows = sample.rows_of_values().map(|cells| names(&cells));
+        let first = rows.next();
+        rows.all(|row| Some(row) == first)
     }
 
     fn has_equal_joints(&self) -> bool {
@@ -91,6 +106,10 @@ impl JointColumns {
         let found = row.get(*column).map(characters).unwrap_or_default();
         Some(Flaw::JointOrder { line: line(), expected: joint.clone(), found })
     }
+}
+
+fn is_whole(cell: &str) -> bool {
+    cell.parse::<u32>().is_ok()
 }
 
 /// Whether a character ends the index of an element.

@@ -35,6 +35,7 @@ pub use number::Decimal;
 pub(super) use pieces::TextPieces;
 pub(super) use read::{names, read, read_with_dialect};
 pub(super) use transposed::has_channels_in_rows;
+pub(super) use unit_line::unit_left_out;
 
 #[cfg(test)]
 mod tests;

@@ -1,5 +1,7 @@
 //! The names of columns: with the groups above them, the units below them, and numbers where they are missing or repeated.
 
+use std::collections::HashMap;
+
 use super::sample::Sample;
 use super::unit_line::with_unit;
 
@@ -16,7 +18,7 @@ pub(super) fn column_names(sample: &Sample<'_>) -> Option<Vec<String>> {
         let units = sample.cells(units);
         names = names.iter().zip(units).map(|(name, unit)| with_unit(name, &unit)).collect();
     }
-    Some(each_different(names))
+    Some(each_different(&names))
 }
 
 /// Names below the names of their groups; an empty cell continues the group before it.
@@ -33,15 +35,19 @@ fn with_groups(groups: &[String], names: &[String]) -> Vec<String> {
 }
 
 /// A column without a name has its number, from 1; the second of one name is `name#2`.
-fn each_different(names: Vec<String>) -> Vec<String> {
-    let mut seen = std::collections::HashMap::<String, usize>::new();
-    let numbered =
-        names.into_iter().zip(1..).map(|(name, number)| if name.is_empty() { number.to_string() } else { name });
+fn each_different(names: &[String]) -> Vec<String> {
+    let number = |(name, number): (&String, usize)| match name.is_empty() {
+        false => name.clone(),
+        true if names.contains(&number.to_string()) => format!("column {number}"),
+        true => number.to_string(),
+    };
+    let numbered: Vec<String> = names.iter().zip(1..).map(number).collect();
+    let mut seen = HashMap::<String, usize>::new();
     let different = |name: String| {
         let count = seen.entry(name.clone()).and_modify(|count| *count += 1).or_insert(1);
         if *count == 1 { name } else { format!("{name}#{count}") }
     };
-    numbered.map(different).collect()
+    numbered.into_iter().map(different).collect()
 }
 
 fn has_repetitions(names: &[String]) -> bool {
@@ -60,7 +66,8 @@ mod tests {
 
     #[test]
     fn repeated_and_missing_names_are_numbered() {
-        assert_eq!(each_different(strings(&["tau", "", "tau", "tau"])), ["tau", "2", "tau#2", "tau#3"]);
+        assert_eq!(each_different(&strings(&["tau", "", "tau", "tau"])), ["tau", "2", "tau#2", "tau#3"]);
+        assert_eq!(each_different(&strings(&["", "0", "1"])), ["column 1", "0", "1"]);
     }
 
     #[test]

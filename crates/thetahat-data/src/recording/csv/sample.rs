@@ -22,6 +22,8 @@ pub(super) struct Sample<'a> {
     pub(super) table: TablePlace,
 }
 
+/// Least number of columns named by their numbers.
+const LEAST_NUMBERED: usize = 4;
 /// Words for a value that is missing, in lower case.
 const MISSING: [&str; 8] = ["", "-", "--", "n/a", "na", "nil", "none", "null"];
 
@@ -94,6 +96,11 @@ impl<'a> Sample<'a> {
         let line = self.rows.get(row).map_or(&[][..], |row| without_comment_sign(row.line.bytes(self.text)));
         let cells = cells(line, self.delimiter, MOST_CELLS);
         cells.iter().take(self.width.max(1)).map(|cell| characters(cell).trim().to_owned()).collect()
+    }
+
+    /// The texts of the cells of all rows of values.
+    pub(super) fn rows_of_values(&self) -> impl Iterator<Item = Vec<String>> {
+        (self.table.values..self.rows.len()).filter(|&row| !self.rows[row].is_comment).map(|row| self.cells(row))
     }
 
     /// Whether a column begins with text.
@@ -198,7 +205,7 @@ impl<'a> Sample<'a> {
         let names = match header {
             Some(false) => None,
             Some(true) => self.names_row().or_else(|| self.first_row()),
-            None => self.names_row(),
+            None => self.names_row().or_else(|| self.numbered_row()),
         };
         let Some(last) = names else {
             return TablePlace { names: None, units: None, values: self.first_row().unwrap_or(self.rows.len()) };
@@ -222,6 +229,19 @@ impl<'a> Sample<'a> {
         let before = self.rows.iter().position(|row| self.is_values(row)).unwrap_or(self.rows.len());
         let last = |is_comment| (0..before).rfind(|&i| self.rows[i].is_comment == is_comment && self.is_names(i));
         last(false).or_else(|| last(true))
+    }
+
+    /// A first row of the numbers 0, 1, 2 and so on, the names that pandas writes for columns without names. The first cell may be empty;
+    /// otherwise the first of several rows that are not of whole numbers.
+    fn numbered_row(&self) -> Option<usize> {
+        let first = self.first_row().filter(|&row| self.rows[row].cells.len() == self.width)?;
+        let cells = self.cells(first);
+        let above_index = cells.first().is_some_and(String::is_empty);
+        let numbers = &cells[usize::from(above_index)..];
+        let are_numbers = numbers.iter().zip(0..).all(|(cell, number)| cell.parse() == Ok::<usize, _>(number));
+        let next = || self.cells(first + 1).iter().filter(|cell| cell.parse::<i64>().is_err()).count();
+        let is_likely = above_index && numbers.len() > 1 || numbers.len() >= LEAST_NUMBERED && 2 * next() > self.width;
+        (are_numbers && is_likely).then_some(first)
     }
 
     fn is_names(&self, row: usize) -> bool {

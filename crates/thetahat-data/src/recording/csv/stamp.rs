@@ -40,7 +40,8 @@ impl Stamp {
         if text.len() > LONGEST || !text.starts_with(|c: char| c.is_ascii_digit()) || !text.is_ascii() {
             return None;
         }
-        let (elapsed_days, text) = without_days(text);
+        let extended = extended(text);
+        let (elapsed_days, text) = without_days(extended.as_deref().unwrap_or(text));
         let (mut date, mut time, mut afternoon, mut zone) = (None, None, None, 0);
         for part in parts(text) {
             match part.to_ascii_lowercase().as_str() {
@@ -65,6 +66,16 @@ impl Stamp {
         let nanoseconds = of_day.checked_add(elapsed_days.unwrap_or(0) * 24 * HOUR)? - zone;
         Some(Self { date, nanoseconds })
     }
+}
+
+/// `20261125T100000.5` with signs between its fields.
+fn extended(text: &str) -> Option<String> {
+    let (date, time) = text.split_once('T').filter(|(date, time)| date.len() == 8 && time.len() >= 6)?;
+    if !date.bytes().chain(time.bytes().take(6)).all(|b| b.is_ascii_digit()) {
+        return None;
+    }
+    let (year, month, day) = (&date[..4], &date[4..6], &date[6..]);
+    Some(format!("{year}-{month}-{day}T{}:{}:{}", &time[..2], &time[2..4], &time[4..]))
 }
 
 /// The days before an elapsed time, as in `0 days 00:00:01.5`.
@@ -216,6 +227,7 @@ mod tests {
             "10:00:00.123 AM",
             "2026-11-25 10:00:00.123",
             "2026-11-25T10:00:00.123Z",
+            "20261125T100000.123Z",
             "2026-11-25T12:00:00.123+02:00",
             "2026-11-25 12:00:00.123 +0200",
             "25-Oct-2026 10:00:00.123",

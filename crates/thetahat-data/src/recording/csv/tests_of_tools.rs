@@ -4,7 +4,7 @@ use std::path::Path;
 
 use thetahat_testing::Folder;
 
-use super::super::{ChannelSource, Contents, RecordingError, SignalPieces, inspect, read_channels};
+use super::super::{ChannelSource, Contents, RecordingError, SignalPieces, Unit, inspect, read_channels};
 use super::*;
 use crate::recording::table::RequestedColumns;
 
@@ -118,7 +118,13 @@ fn names_behind_the_sign_of_a_comment() {
 fn units_below_the_names() {
     let text = "Time;Pos elbow;Moment elbow\nms;deg;N m\n0;1,5;2\n8;2,5;3\n";
     assert_eq!(names_in(text), ["Time [ms]", "Pos elbow [deg]", "Moment elbow [N m]"]);
-    assert_eq!(columns(text, "['Pos elbow', 'Time [ms]']"), [1.5, 0.0, 2.5, 8.0]);
+    assert_eq!(columns(text, "['Pos elbow [deg]', 'Time [ms]']"), [1.5, 0.0, 2.5, 8.0]);
+    let degrees = read_text(text, "columns = ['Pos elbow']\nunit = 'deg'").unwrap();
+    assert!((degrees[1] - 2.5_f64.to_radians()).abs() < 1e-15);
+    assert!(matches!(
+        read_text(text, "columns = ['Pos elbow']\nunit = 'rad'"),
+        Err(RecordingError::OtherUnit { expected: Unit::Degree, found: Unit::Radian, .. })
+    ));
     let time = &inspected(format!("{text}16;0;0\n")).tables[0].times[0];
     assert_eq!((time.column.as_str(), time.rate_hz), ("Time [ms]", 125.0));
 }
@@ -193,6 +199,33 @@ fn joint_states_of_ros_2() {
 }
 
 #[test]
+fn other_texts_without_names_are_no_joints() {
+    let text = "0,1,a,run,5\n1,2,a,stop,6\n";
+    assert_eq!(columns(text, "['5']"), [5.0, 6.0]);
+    assert_eq!(names_in(text)[4], "5");
+    let text = "10,7,base,b,a,1,2\n10,8,base,a,b,3,4\n";
+    assert!(matches!(read_text(text, "columns = ['a.position']"), Err(RecordingError::JointOrder { line: 2, .. })));
+}
+
+/// As pandas writes an array.
+#[test]
+fn names_that_are_numbers_from_zero() {
+    assert_eq!(columns(",0,1\n0,0.5,2\n1,1.5,3\n", "['1', 'column 1']"), [2.0, 0.0, 3.0, 1.0]);
+    assert_eq!(columns("0,1,2,3\n0.5,1.5,2.5,3.5\n0.6,1.6,2.6,3.6\n", "['0']"), [0.5, 0.6]);
+    assert_eq!(columns("0,1,2,3\n1,2,3,4\n2,3,4,5\n", "['1']"), [0.0, 1.0, 2.0]);
+}
+
+#[test]
+fn dates_beside_times_of_day() {
+    let rows =
+        ["25.11.2026;23:59:59,5;1", "25.11.2026;23:59:59,75;2", "26.11.2026;00:00:00,0;3", "26.11.2026;00:00:00,25;4"];
+    let contents = inspected(format!("Datum;Uhrzeit;q\n{}\n", rows.join("\n")));
+    let times: Vec<&str> = contents.tables[0].times.iter().map(|time| time.column.as_str()).collect();
+    assert_eq!(times[0], "Uhrzeit");
+    assert!((contents.tables[0].times[0].rate_hz - 4.0).abs() < 1e-9);
+}
+
+#[test]
 fn joint_states_of_ros_1_in_changing_order() {
     let text = "%time,field.name0,field.name1,field.position0,field.position1\n1,b,a,1,2\n2,b,a,3,4\n";
     assert_eq!(columns(text, "['a.position', 'field.position0']"), [2.0, 1.0, 4.0, 3.0]);
@@ -221,9 +254,9 @@ fn channels_in_lines() {
 #[test]
 fn lines_in_errors_are_those_of_the_file() {
     let text = "title of all\n\n# remark\nt;q\ns;rad\n\n0;1\n\n\n1;x\n";
-    assert!(matches!(read_text(text, "columns = ['q']"), Err(RecordingError::NotANumber { line: 10, .. })));
+    assert!(matches!(read_text(text, "columns = ['q [rad]']"), Err(RecordingError::NotANumber { line: 10, .. })));
     let text = text.replace("1;x", "1;2;3");
-    let error = read_text(text, "columns = ['q']").unwrap_err();
+    let error = read_text(text, "columns = ['q [rad]']").unwrap_err();
     assert!(matches!(error, RecordingError::RowLength { line: 10, first_line: 4, .. }), "{error}");
 }
 

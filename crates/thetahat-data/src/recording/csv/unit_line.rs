@@ -3,11 +3,36 @@
 use super::super::unit::Unit;
 
 /// Other spellings of units, in lower case without spaces.
-const SPELLINGS: [&str; 31] = [
-    "°", "°/s", "°/s²", "°/s^2", "degree", "degrees", "deg/sec", "deg/s²", "deg/s2", "radian", "radians", "rad/sec",
-    "rad/s²", "rad/s2", "m/s²", "m/s2", "turns", "1/min", "min-1", "sec", "second", "seconds", "msec", "usec", "µs",
-    "μs", "nm", "amp", "volt", "°c", "degc",
+const SPELLINGS: [(&str, Unit); 26] = [
+    ("°", Unit::Degree),
+    ("degree", Unit::Degree),
+    ("degrees", Unit::Degree),
+    ("°/s", Unit::DegreePerSecond),
+    ("deg/sec", Unit::DegreePerSecond),
+    ("°/s²", Unit::DegreePerSecondSquared),
+    ("°/s^2", Unit::DegreePerSecondSquared),
+    ("deg/s²", Unit::DegreePerSecondSquared),
+    ("deg/s2", Unit::DegreePerSecondSquared),
+    ("radian", Unit::Radian),
+    ("radians", Unit::Radian),
+    ("rad/sec", Unit::RadianPerSecond),
+    ("rad/s²", Unit::RadianPerSecondSquared),
+    ("rad/s2", Unit::RadianPerSecondSquared),
+    ("m/s²", Unit::MetrePerSecondSquared),
+    ("m/s2", Unit::MetrePerSecondSquared),
+    ("turns", Unit::Revolution),
+    ("1/min", Unit::RevolutionPerMinute),
+    ("min-1", Unit::RevolutionPerMinute),
+    ("sec", Unit::Second),
+    ("second", Unit::Second),
+    ("seconds", Unit::Second),
+    ("msec", Unit::Millisecond),
+    ("usec", Unit::Microsecond),
+    ("µs", Unit::Microsecond),
+    ("μs", Unit::Microsecond),
 ];
+/// Units of other quantities, in lower case without spaces.
+const OTHER_UNITS: [&str; 5] = ["°c", "degc", "bar", "pa", "w"];
 
 /// The unit in a cell, without brackets around it.
 pub(super) fn without_brackets(cell: &str) -> &str {
@@ -31,9 +56,23 @@ fn is_blank(cell: &str) -> bool {
     matches!(cell, "" | "-" | "--")
 }
 
+/// The unit in a name such as `q [deg]` that was asked for as `q`.
+pub(in super::super) fn unit_left_out(asked: &str, name: &str) -> Option<Unit> {
+    let unit = name.strip_prefix(asked)?.strip_prefix(" [")?.strip_suffix(']')?;
+    unit_of(unit)
+}
+
+fn plain(text: &str) -> String {
+    text.to_lowercase().replace(' ', "")
+}
+
+fn unit_of(text: &str) -> Option<Unit> {
+    let spelling = || SPELLINGS.iter().find(|(spelling, _)| *spelling == plain(text)).map(|(_, unit)| *unit);
+    text.parse().ok().or_else(spelling)
+}
+
 fn is_unit(text: &str) -> bool {
-    let plain = text.to_lowercase().replace(' ', "");
-    text.parse::<Unit>().is_ok() || SPELLINGS.contains(&plain.as_str())
+    unit_of(text).is_some() || OTHER_UNITS.contains(&plain(text).as_str())
 }
 
 #[cfg(test)]

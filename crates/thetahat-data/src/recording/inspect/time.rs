@@ -11,6 +11,7 @@ const GAP: f64 = 1.5;
 const EVEN: f64 = 0.05;
 /// Sample rates of recordings in Hz, for guessing the unit of a time.
 const RATES: std::ops::Range<f64> = 10.0..20_000.0;
+const SECONDS_PER_DAY: f64 = 86_400.0;
 /// Units of time, in the order in which they are tried.
 const UNITS: [Unit; 4] = [Unit::Second, Unit::Millisecond, Unit::Microsecond, Unit::Nanosecond];
 
@@ -76,6 +77,10 @@ fn is_word_of_time(name: &str) -> bool {
 
 fn time(column: &Column, in_seconds: bool, is_named: bool) -> Option<TimeSummary> {
     if column.channels != 1 || column.samples() < 3 || column.values.iter().any(|value| !value.is_finite()) {
+        return None;
+    }
+    // Dates beside times of day.
+    if column.in_seconds && column.values.iter().all(|value| value % SECONDS_PER_DAY == 0.0) {
         return None;
     }
     let steps: Vec<f64> = column.values.windows(2).map(|pair| pair[1] - pair[0]).collect();

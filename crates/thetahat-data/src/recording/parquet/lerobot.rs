@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::super::error::RecordingError;
+use super::super::place;
 use thetahat_ground::files;
 
 /// The column that numbers the episodes.
@@ -17,13 +18,17 @@ const LARGEST_INFO_BYTES: u64 = 1 << 20;
 
 /// What a dataset says of its columns, in `meta/info.json`.
 #[derive(Default)]
-pub(super) struct DatasetInfo(Option<Value>);
+pub(in super::super) struct DatasetInfo(Option<Value>);
 
 impl DatasetInfo {
-    /// The description of the dataset of a file `data/chunk-000/NAME.parquet`; empty for other files.
-    pub(super) fn of(file: &Path) -> Self {
+    /// The description of the dataset of a file `data/chunk-000/NAME.parquet`; empty for other files, and outside of `root`.
+    pub(in super::super) fn of(file: &Path, root: Option<&Path>) -> Self {
         let read = || {
             let path = info_path(file)?;
+            let path = match root {
+                Some(root) => place::inside(root, path.strip_prefix(root).ok()?).ok()?,
+                None => path,
+            };
             let is_small = files::length(&path).ok()? <= LARGEST_INFO_BYTES;
             serde_json::from_slice(&files::read(&path).ok().filter(|_| is_small)?).ok()
         };
@@ -132,6 +137,15 @@ mod tests {
         assert_eq!(path("set/data/chunk-000/file-000.parquet").unwrap(), Path::new("set/meta/info.json"));
         assert_eq!(path("data/chunk-000/file-000.parquet").unwrap(), Path::new("meta/info.json"));
         assert_eq!((path("q.parquet"), path("a/b/q.parquet"), path("data/b/q.parquet")), (None, None, None));
+    }
+
+    #[test]
+    fn a_description_outside_the_folder_of_the_data_is_not_read() {
+        let text = r#"{"features": {"action": {"names": ["pan"]}}}"#;
+        let folder = thetahat_testing::Folder::with("meta/info.json", text);
+        let file = folder.write("data/chunk-000/q.parquet", "").at("data/chunk-000/q.parquet");
+        let count = |root: Option<&Path>| DatasetInfo::of(&file, root).channel_names("action", 1).len();
+        assert_eq!((count(None), count(Some(folder.path())), count(file.parent())), (1, 1, 0));
     }
 
     #[test]

@@ -17,6 +17,7 @@ mod read;
 mod records;
 mod thrift;
 
+pub(super) use lerobot::DatasetInfo;
 pub(super) use pieces::{GroupPieces, fuzz_pieces};
 pub(super) use read::read_episode;
 

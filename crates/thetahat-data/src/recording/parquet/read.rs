@@ -28,12 +28,13 @@ const LISTS: [&str; 2] = ["list", "bag"];
 pub(in super::super) fn read_episode(
     bytes: Vec<u8>,
     path: &Path,
+    info: DatasetInfo,
     episode: Option<u64>,
     wanted: RequestedColumns<'_>,
 ) -> Result<(Table, Vec<String>), RecordingError> {
     panics_as_damage(path, "Parquet", || {
         let source = Source::Memory(Bytes::from(bytes));
-        let described = Described::new(path, &source)?;
+        let described = Described::new(path, &source, info)?;
         let episode = described.episode(path, &source, episode)?;
         described.require_room(path, source.length(), episode.rows.len(), wanted)?;
         let table = described.table(path, &source, episode.rows, wanted, |_| None)?;
@@ -54,14 +55,14 @@ pub(super) struct Described {
 }
 
 impl Described {
-    pub(super) fn new(path: &Path, source: &Source) -> Result<Self, RecordingError> {
+    pub(super) fn new(path: &Path, source: &Source, info: DatasetInfo) -> Result<Self, RecordingError> {
         let refuse = |e: ParquetError| damaged(path, "description", &e);
         let metadata = description(source).and_then(|bytes| ParquetMetaDataReader::decode_metadata(&bytes));
         let metadata = metadata.map_err(refuse)?;
         let rows = metadata.row_groups().iter().map(|group| usize::try_from(group.num_rows()).unwrap_or(usize::MAX));
         let rows: Vec<usize> = rows.collect();
         let samples = rows.iter().fold(0_usize, |sum, rows| sum.saturating_add(*rows));
-        Ok(Self { metadata, rows, samples, info: DatasetInfo::of(path) })
+        Ok(Self { metadata, rows, samples, info })
     }
 
     /// Rows of the largest group.

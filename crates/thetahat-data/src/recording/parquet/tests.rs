@@ -116,7 +116,7 @@ fn zeros(groups: usize, of_group: usize) -> Vec<u8> {
 }
 
 fn read(bytes: Vec<u8>, path: &Path, wanted: RequestedColumns<'_>) -> Result<Table, RecordingError> {
-    read_episode(bytes, path, None, wanted).map(|(table, _)| table)
+    read_episode(bytes, path, DatasetInfo::default(), None, wanted).map(|(table, _)| table)
 }
 
 fn loaded(bytes: &[u8]) -> Result<Table, RecordingError> {
@@ -190,7 +190,9 @@ fn parts_are_those_of_the_whole_bit_by_bit() {
             let bytes = rows(ROWS, of_group, compression);
             let whole = loaded(&bytes).unwrap();
             let folder = Folder::with(FILE, &bytes);
-            let pieces = GroupPieces::open(&folder.path().join(FILE), RequestedColumns::All).unwrap().unwrap();
+            let pieces = GroupPieces::open(&folder.path().join(FILE), DatasetInfo::default(), RequestedColumns::All)
+                .unwrap()
+                .unwrap();
             assert_eq!(pieces.samples(), ROWS);
             for size in [1, 49, 50, 333, 1199, ROWS].into_iter().filter(|size| *size > 1 || of_group == 100) {
                 for start in (0..ROWS).step_by(size) {
@@ -211,7 +213,9 @@ fn parts_are_those_of_the_whole_bit_by_bit() {
 fn parts_of_columns_that_are_not_wanted_are_not_read() {
     let folder = Folder::with(FILE, rows(300, 100, Compression::SNAPPY));
     let asked = ["q".to_owned()];
-    let pieces = GroupPieces::open(&folder.path().join(FILE), RequestedColumns::Named(&asked)).unwrap().unwrap();
+    let pieces = GroupPieces::open(&folder.path().join(FILE), DatasetInfo::default(), RequestedColumns::Named(&asked))
+        .unwrap()
+        .unwrap();
     let table = pieces.read(150..250, RequestedColumns::Named(&asked)).unwrap();
     let read: Vec<usize> = table.columns.iter().map(|column| column.values.len()).collect();
     assert_eq!(read, [0, 100, 0, 0, 0, 0]);
@@ -221,7 +225,7 @@ fn parts_of_columns_that_are_not_wanted_are_not_read() {
 fn large_groups_are_left_to_the_reader_of_whole_files() {
     let opened = |bytes: &[u8]| {
         let folder = Folder::with(FILE, bytes);
-        GroupPieces::open(&folder.path().join(FILE), RequestedColumns::All)
+        GroupPieces::open(&folder.path().join(FILE), DatasetInfo::default(), RequestedColumns::All)
     };
     assert!(opened(&zeros(1, 1 << 22)).unwrap().is_some());
     assert!(opened(&zeros(1, (1 << 22) + 1)).unwrap().is_none());
@@ -239,7 +243,7 @@ fn parts_of_a_damaged_file_never_panic() {
     let path = folder.path().join(FILE);
     let read = |bytes: &[u8]| {
         std::fs::write(&path, bytes).unwrap();
-        GroupPieces::open(&path, RequestedColumns::All)?
+        GroupPieces::open(&path, DatasetInfo::default(), RequestedColumns::All)?
             .map(|pieces| pieces.read(70..90, RequestedColumns::All))
             .transpose()
     };
@@ -264,7 +268,7 @@ fn a_file_that_changes_while_it_is_read() {
     let whole = rows(120, 40, Compression::SNAPPY);
     let folder = Folder::with(FILE, &whole);
     let path = folder.path().join(FILE);
-    let pieces = GroupPieces::open(&path, RequestedColumns::All).unwrap().unwrap();
+    let pieces = GroupPieces::open(&path, DatasetInfo::default(), RequestedColumns::All).unwrap().unwrap();
     std::fs::write(&path, &whole[..whole.len() / 3]).unwrap();
     assert!(matches!(pieces.read(70..120, RequestedColumns::All), Err(RecordingError::Damaged { .. })));
 }
