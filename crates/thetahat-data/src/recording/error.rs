@@ -227,7 +227,7 @@ pub enum RecordingError {
         found: String,
     },
 
-    /// Dates change, and days and months cannot be told apart.
+    /// Dates change, and the order of day and month is not evident.
     #[error(
         "{file}: line {line}, column {column:?}: {found:?} may begin with the day or with the month; say which by \
          `day_first = true` or `day_first = false`, or write dates as 2026-11-25"

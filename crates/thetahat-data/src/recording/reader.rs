@@ -28,6 +28,7 @@ impl Format {
 
 /// How a table is read from a file.
 #[derive(Debug, Clone, Copy, Default)]
+#[cfg_attr(not(feature = "parquet"), allow(dead_code))]
 pub(super) struct TableOptions<'a> {
     /// Of a text.
     pub(super) dialect: Dialect,

@@ -401,9 +401,8 @@ pub(super) fn require_units_of_file(
             return Err(RecordingError::UnitOfStamps { file, column: name, found });
         }
         let left_out = source.columns.get(place).and_then(|asked| csv::unit_left_out(asked, &column.name));
-        match left_out.filter(|unit| *unit != found && source.gain.is_none()) {
-            Some(expected) => return Err(RecordingError::OtherUnit { file, column: name, expected, found }),
-            None => {}
+        if let Some(expected) = left_out.filter(|unit| *unit != found && source.gain.is_none()) {
+            return Err(RecordingError::OtherUnit { file, column: name, expected, found });
         }
     }
     Ok(())

@@ -37,7 +37,7 @@ pub(super) enum Flaw {
     Text { line: u64, found: String },
     /// The first cell that is NaN, infinite or implausibly large, if the file has lines.
     NotFinite { line: u64, found: f64 },
-    /// The first of several dates whose days and months cannot be told apart.
+    /// The first of several dates whose order of day and month is not evident.
     UnclearDate { line: u64, found: String },
     /// The first row whose joints are in another order, and a joint where another one was before.
     JointOrder { line: u64, expected: String, found: String },

@@ -9,7 +9,7 @@ use super::joint_states::JointColumns;
 use super::names::column_names;
 use super::number::{Decimal, Numbers};
 use super::sample::Sample;
-use super::text::{Line, lines, records};
+use super::text::{Line, joined_lines, lines};
 
 /// How a text file is written. Parts that are none are detected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -67,12 +67,12 @@ impl Dialect {
             Some(delimiter) => vec![self.checked(delimiter, path)?],
             None => DELIMITERS.into_iter().filter(|&d| d != b',' || self.decimal != Some(Decimal::Comma)).collect(),
         };
-        let lines = records(text, &self.first_lines(text));
-        let set = Self { header: self.header.filter(|_| !self.channels_in_rows), ..*self };
-        let set = if self.channels_in_rows { Self { header: Some(false), ..set } } else { set };
-        let samples: Vec<Sample> = candidates.into_iter().map(|d| Sample::of(text, &lines, d, &set)).collect();
+        let lines = joined_lines(text, &self.first_lines(text));
+        let header = if self.channels_in_rows { Some(false) } else { self.header };
+        let samples: Vec<Sample> =
+            candidates.into_iter().map(|d| Sample::of(text, &lines, d, self.decimal, header)).collect();
         let sample = best(&samples, path)?;
-        if set.header.is_none() && sample.begins_unclearly() {
+        if header.is_none() && sample.begins_unclearly() {
             let line = sample.line(sample.table.values).map_or(1, |line| line.number);
             return Err(RecordingError::UnclearHeader { file: path.to_owned(), line });
         }
@@ -114,7 +114,7 @@ impl Dialect {
     }
 }
 
-/// Whether a line is the first and only tells a spreadsheet the delimiter: `sep=;`.
+/// Whether a line is the first and only states the delimiter for a spreadsheet: `sep=;`.
 fn names_delimiter(line: &Line, text: &[u8]) -> bool {
     let bytes = line.bytes(text).trim_ascii();
     line.number == 1 && bytes.len() <= 5 && bytes.get(..4).is_some_and(|start| start.eq_ignore_ascii_case(b"sep="))

@@ -34,7 +34,7 @@ impl JointColumns {
         if !are_joints || found.has_equal_joints() { Self::default() } else { found }
     }
 
-    /// `field.name0` beside `field.position0`.
+    /// `field.name0` with `field.position0`.
     fn by_names(names: &[String], cells: &[String], is_text: impl Fn(usize) -> bool) -> Self {
         let mut found = Self::default();
         for (column, (name, joint)) in names.iter().zip(cells).enumerate() {

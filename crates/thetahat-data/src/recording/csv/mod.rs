@@ -3,10 +3,10 @@
 //! | file | what it does |
 //! | --- | --- |
 //! | `encoding` | converts UTF-16 |
-//! | `text` | lines, records and rows; runs of spaces |
+//! | `text` | lines, rows and cells; runs of spaces |
 //! | `number` | converts cells to numbers, with a decimal point or comma and groups of digits |
 //! | `stamp`, `stamps` | dates and times of day in cells, and columns of them in seconds |
-//! | `sample` | the first rows at a delimiter: which are names, units and values |
+//! | `row`, `sample` | the first rows at a delimiter: which are names, units and values |
 //! | `unit_line`, `names` | the line of units, and the names of the columns |
 //! | `joint_states` | joints that every row names |
 //! | `dialect` | the settings, and their detection if unset: delimiter, header and lines above it |
@@ -22,6 +22,7 @@ mod names;
 mod number;
 mod pieces;
 mod read;
+mod row;
 mod sample;
 mod stamp;
 mod stamps;

@@ -1,6 +1,5 @@
 //! Reads a text file into a table.
 
-use std::io;
 use std::path::Path;
 
 use csv::ByteRecord;
@@ -11,12 +10,9 @@ use super::super::table::{Column, Flaw, RequestedColumns, Table};
 use super::dialect::{Detected, Dialect};
 use super::encoding::decoded;
 use super::number::Numbers;
-use super::text::{Body, rows, without_mark};
+use super::text::{Body, MOST_COLUMNS, rows, unreadable, without_mark};
 use super::transposed;
 use super::values::Values;
-
-/// Most columns of a text: a line with more is a matrix with channels in rows.
-pub(super) const MOST_COLUMNS: usize = 10_000;
 
 /// The columns of a text. Columns that are not requested have a name and no values.
 pub(in super::super) fn read(
@@ -172,8 +168,4 @@ impl<'a> Columns<'a> {
             delimiter: self.detected.delimiter.into(),
         }
     }
-}
-
-pub(super) fn unreadable(path: &Path, error: csv::Error) -> RecordingError {
-    RecordingError::Unreadable { file: path.into(), source: io::Error::from(error) }
 }

@@ -1,13 +1,9 @@
 //! The first rows of a text, split at a given delimiter, and the place of the table in them.
 
-use super::dialect::Dialect;
 use super::number::{Decimal, Numbers};
-use super::stamp::Stamp;
-use super::text::{Line, cells, characters};
+use super::row::{CellKind, DecimalEvidence, Row};
+use super::text::Line;
 use super::unit_line::is_unit_line;
-
-/// Most cells of a row that are examined.
-const MOST_CELLS: usize = super::read::MOST_COLUMNS + 1;
 
 /// The first rows of a text, split at a given delimiter.
 pub(super) struct Sample<'a> {
@@ -24,41 +20,6 @@ pub(super) struct Sample<'a> {
 
 /// Least number of columns named by their numbers.
 const LEAST_NUMBERED: usize = 4;
-/// Words for a value that is missing, in lower case.
-const MISSING: [&str; 8] = ["", "-", "--", "n/a", "na", "nil", "none", "null"];
-
-/// What a cell contains.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum CellKind {
-    /// A number, or a stamp.
-    Value,
-    Missing,
-    Text,
-}
-
-struct Row {
-    line: Line,
-    is_comment: bool,
-    cells: Vec<CellKind>,
-}
-
-impl Row {
-    fn values(&self) -> usize {
-        self.cells.iter().filter(|cell| **cell == CellKind::Value).count()
-    }
-
-    fn holds(&self, column: usize, kind: CellKind) -> bool {
-        self.cells.get(column) == Some(&kind)
-    }
-}
-
-/// The decimal sign, by the numbers of the sample.
-#[derive(Default)]
-struct DecimalEvidence {
-    shown: Option<Decimal>,
-    has_point: bool,
-}
-
 /// The rows that make up the table, by their index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct TablePlace {
@@ -69,15 +30,22 @@ pub(super) struct TablePlace {
 }
 
 impl<'a> Sample<'a> {
-    pub(super) fn of(text: &'a [u8], lines: &[Line], delimiter: u8, dialect: &Dialect) -> Self {
+    /// The decimal sign and whether there are names may be set.
+    pub(super) fn of(
+        text: &'a [u8],
+        lines: &[Line],
+        delimiter: u8,
+        set: Option<Decimal>,
+        header: Option<bool>,
+    ) -> Self {
         let mut decimal = DecimalEvidence::default();
-        let rows = lines.iter().map(|line| row(text, *line, delimiter, dialect.decimal, &mut decimal)).collect();
+        let rows = lines.iter().map(|line| Row::of(text, *line, delimiter, set, &mut decimal)).collect();
         let table = TablePlace::default();
         let mut sample = Self { text, delimiter, rows, width: 0, value_columns: Vec::new(), decimal, table };
         sample.width = sample.usual_width();
         sample.leave_out_trailing_cells();
         sample.value_columns = sample.columns_of_values();
-        sample.table = sample.table_place(dialect.header);
+        sample.table = sample.table_place(header);
         sample
     }
 
@@ -93,9 +61,9 @@ impl<'a> Sample<'a> {
 
     /// The texts of a row's cells.
     pub(super) fn cells(&self, row: usize) -> Vec<String> {
-        let line = self.rows.get(row).map_or(&[][..], |row| without_comment_sign(row.line.bytes(self.text)));
-        let cells = cells(line, self.delimiter, MOST_CELLS);
-        cells.iter().take(self.width.max(1)).map(|cell| characters(cell).trim().to_owned()).collect()
+        let mut texts = self.rows.get(row).map(|row| row.texts(self.text, self.delimiter)).unwrap_or_default();
+        texts.truncate(self.width.max(1));
+        texts
     }
 
     /// The texts of the cells of all rows of values.
@@ -184,10 +152,8 @@ impl<'a> Sample<'a> {
         }
         let (width, text, delimiter) = (self.width, self.text, self.delimiter);
         let is_trailing = |row: &Row| {
-            let is_comment_column = || {
-                let cells = cells(row.line.bytes(text), delimiter, MOST_CELLS);
-                row.values() == 0 && cells.last().is_some_and(|cell| cell.trim_ascii().eq_ignore_ascii_case(b"comment"))
-            };
+            let last = || row.texts(text, delimiter).pop().unwrap_or_default();
+            let is_comment_column = || row.values() == 0 && last().eq_ignore_ascii_case("comment");
             row.cells.len() == width + 1 && (row.holds(width, CellKind::Missing) || is_comment_column())
         };
         self.rows.iter_mut().filter(|row| is_trailing(row)).for_each(|row| row.cells.truncate(width));
@@ -212,7 +178,10 @@ impl<'a> Sample<'a> {
         };
         let values = (last + 1..self.rows.len()).find(|&row| !self.rows[row].is_comment).unwrap_or(self.rows.len());
         let is_units = |row: &usize| is_unit_line(&self.cells(*row));
-        // A line of units, or of descriptions below one.
+        // A line of units, of descriptions below one, or a comment of units below the names.
+        if let Some(units) = (last + 1..values).find(|row| self.is_names(*row) && is_units(row)) {
+            return TablePlace { names: Some(last), units: Some(units), values };
+        }
         let units = [Some(last), last.checked_sub(1)].into_iter().flatten().find(is_units);
         let above = units.and_then(|units| units.checked_sub(1)).filter(|&row| self.is_names(row));
         match above {
@@ -276,49 +245,4 @@ impl<'a> Sample<'a> {
 fn most_frequent(lengths: &[usize]) -> usize {
     let count = |length: &usize| lengths.iter().filter(|other| *other == length).count();
     lengths.iter().rev().max_by_key(|length| count(length)).copied().unwrap_or_default()
-}
-
-/// A line that is a comment, without the sign of it.
-fn without_comment_sign(line: &[u8]) -> &[u8] {
-    let start = line.trim_ascii_start();
-    match start.iter().position(|b| !matches!(b, b'#' | b'%')) {
-        Some(0) => line,
-        Some(signs) => &start[signs..],
-        None => &[],
-    }
-}
-
-fn is_comment(line: &[u8]) -> bool {
-    matches!(line.trim_ascii_start().first(), Some(b'#' | b'%'))
-}
-
-fn row(text: &[u8], line: Line, delimiter: u8, set: Option<Decimal>, decimal: &mut DecimalEvidence) -> Row {
-    let bytes = line.bytes(text);
-    let is_comment = is_comment(bytes);
-    let cells = cells(without_comment_sign(bytes), delimiter, MOST_CELLS);
-    let cells = cells.iter().map(|cell| cell_kind(cell, delimiter, set, decimal)).collect();
-    Row { line, is_comment, cells }
-}
-
-fn cell_kind(cell: &[u8], delimiter: u8, set: Option<Decimal>, decimal: &mut DecimalEvidence) -> CellKind {
-    let by_commas = (delimiter == b',').then_some(Decimal::Point);
-    if Numbers::new(set.or(by_commas), true).read(cell).is_some() {
-        decimal.add(cell);
-        return CellKind::Value;
-    }
-    let text = characters(cell);
-    match text.trim() {
-        text if MISSING.contains(&text.to_ascii_lowercase().as_str()) => CellKind::Missing,
-        text if Stamp::parse(text).is_some() => CellKind::Value,
-        _ => CellKind::Text,
-    }
-}
-
-impl DecimalEvidence {
-    fn add(&mut self, number: &[u8]) {
-        self.has_point |= number.contains(&b'.');
-        if self.shown.is_none() && number.iter().any(|b| matches!(b, b'.' | b',')) {
-            self.shown = Decimal::shown_by(&characters(number));
-        }
-    }
 }

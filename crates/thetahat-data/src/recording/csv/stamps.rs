@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn day_and_month_are_told_apart_by_the_file_or_by_its_user() {
+    fn the_order_of_day_and_month_is_evident_or_stated() {
         let (evident, unclear) = (["25.11.2026", "26.11.2026"], ["03.05.2024", "04.05.2024"]);
         assert_eq!(read(&evident, None).unwrap(), [0.0, 86_400.0]);
         assert_eq!(read(&unclear, None), None);

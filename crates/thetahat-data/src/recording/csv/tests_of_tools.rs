@@ -96,13 +96,13 @@ fn words_for_missing_values_are_no_names() {
 }
 
 #[test]
-fn a_line_that_tells_the_delimiter() {
+fn a_line_that_states_the_delimiter() {
     assert_eq!(read_text("sep=;\nt;q\n0;1,5\n", "columns = ['q']").unwrap(), [1.5]);
     assert_eq!(read_text("sep=;\n0;1,5\n1;2,5\n", "columns = ['2']").unwrap(), [1.5, 2.5]);
 }
 
 #[test]
-fn names_behind_the_sign_of_a_comment() {
+fn names_after_the_sign_of_a_comment() {
     assert_eq!(
         columns("%time,field.position0\n10,1.5\n20,2.5\n", "['field.position0', 'time']"),
         [1.5, 10.0, 2.5, 20.0]
@@ -216,7 +216,7 @@ fn names_that_are_numbers_from_zero() {
 }
 
 #[test]
-fn dates_beside_times_of_day() {
+fn dates_with_times_of_day_in_another_column() {
     let rows =
         ["25.11.2026;23:59:59,5;1", "25.11.2026;23:59:59,75;2", "26.11.2026;00:00:00,0;3", "26.11.2026;00:00:00,25;4"];
     let contents = inspected(format!("Datum;Uhrzeit;q\n{}\n", rows.join("\n")));

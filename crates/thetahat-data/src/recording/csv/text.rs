@@ -1,12 +1,18 @@
-//! Lines and cells of a text, and its preparation for the `csv` crate.
+//! Lines, rows and cells of a text, and its preparation for the `csv` crate.
 
 use std::borrow::Cow;
+use std::io;
+use std::path::Path;
 
 use csv::{ByteRecord, Reader, ReaderBuilder};
 use memchr::memchr2;
 
-/// Most lines of one record whose cells in quotation marks contain ends of lines.
-const MOST_LINES_OF_A_RECORD: usize = 8;
+use super::super::error::RecordingError;
+
+/// Most columns of a text: a line with more is a matrix with channels in rows.
+pub(super) const MOST_COLUMNS: usize = 10_000;
+/// Most lines of a row whose cells in quotation marks contain ends of lines.
+const MOST_LINES_OF_ROW: usize = 8;
 
 /// The characters of a cell: UTF-8, or otherwise Latin-1, as spreadsheets write `°` in many countries.
 pub(super) fn characters(cell: &[u8]) -> String {
@@ -57,17 +63,17 @@ pub(super) fn lines(text: &[u8]) -> impl Iterator<Item = Line> {
 }
 
 /// Lines joined where a cell in quotation marks goes on in the next line, as in names that spreadsheets write.
-pub(super) fn records(text: &[u8], lines: &[Line]) -> Vec<Line> {
-    let mut records = Vec::new();
+pub(super) fn joined_lines(text: &[u8], lines: &[Line]) -> Vec<Line> {
+    let mut joined = Vec::new();
     let mut first = 0;
     while let Some(line) = lines.get(first) {
         let balanced = |last: &&Line| is_balanced(&text[line.start..last.end]);
-        let after = lines[first..].iter().take(MOST_LINES_OF_A_RECORD);
+        let after = lines[first..].iter().take(MOST_LINES_OF_ROW);
         let count = after.clone().position(|last| balanced(&last)).map_or(1, |place| place + 1);
-        records.push(Line { number: line.number, start: line.start, ..lines[first + count - 1] });
+        joined.push(Line { number: line.number, start: line.start, ..lines[first + count - 1] });
         first += count;
     }
-    records
+    joined
 }
 
 fn is_balanced(bytes: &[u8]) -> bool {
@@ -129,6 +135,10 @@ pub(super) fn rows(prepared: &[u8], delimiter: u8) -> Reader<&[u8]> {
     builder.from_reader(prepared)
 }
 
+pub(super) fn unreadable(path: &Path, error: csv::Error) -> RecordingError {
+    RecordingError::Unreadable { file: path.into(), source: io::Error::from(error) }
+}
+
 /// The text without spaces at the beginnings and ends of lines, and with each run of spaces reduced to one.
 fn single_spaces(text: &[u8]) -> Vec<u8> {
     let mut single = Vec::with_capacity(text.len());
@@ -179,7 +189,7 @@ mod tests {
     fn a_name_in_quotation_marks_may_have_two_lines() {
         let text = b"t,\"q\n[deg]\"\n0,1\n5\" pipe\n";
         let all: Vec<Line> = lines(text).collect();
-        let found: Vec<&[u8]> = records(text, &all).iter().map(|line| line.bytes(text)).collect();
+        let found: Vec<&[u8]> = joined_lines(text, &all).iter().map(|line| line.bytes(text)).collect();
         assert_eq!(found, [&b"t,\"q\n[deg]\""[..], b"0,1", b"5\" pipe"]);
     }
 }

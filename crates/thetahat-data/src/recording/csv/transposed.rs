@@ -9,9 +9,8 @@ use super::super::table::{Column, RequestedColumns, Table};
 use super::dialect::{Detected, Dialect};
 use super::encoding::decoded;
 use super::number::Numbers;
-use super::read::unreadable;
 use super::stamp::Stamp;
-use super::text::{Body, characters, lines, rows, without_mark};
+use super::text::{Body, characters, lines, rows, unreadable, without_mark};
 use super::values::Values;
 
 /// Most lines of a text that is taken to have channels in lines.

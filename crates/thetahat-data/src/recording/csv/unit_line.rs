@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_of_units_are_told_from_names() {
+    fn lines_of_units_are_not_names() {
         for line in ["s;rad;N m", "[ms];[deg];[Nm]", "(s);(°);;(counts);(A)", "s;-;Nm"] {
             assert!(is_line(line), "{line}");
         }

@@ -126,7 +126,7 @@ pub fn contradicting_times(source: &ChannelSource, root: &Path, stated_hz: f64) 
     ((named.rate_hz / stated_hz - 1.0).abs() > RATE_TOLERANCE).then_some((named.column, named.rate_hz))
 }
 
-/// The tables of a file, and what is known of the file besides.
+/// The tables of a file, and what else is known of it.
 struct FileTables {
     tables: Vec<Table>,
     dialect: Option<Dialect>,

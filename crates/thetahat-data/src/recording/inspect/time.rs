@@ -79,7 +79,7 @@ fn time(column: &Column, in_seconds: bool, is_named: bool) -> Option<TimeSummary
     if column.channels != 1 || column.samples() < 3 || column.values.iter().any(|value| !value.is_finite()) {
         return None;
     }
-    // Dates beside times of day.
+    // Dates whose times of day are in another column.
     if column.in_seconds && column.values.iter().all(|value| value % SECONDS_PER_DAY == 0.0) {
         return None;
     }

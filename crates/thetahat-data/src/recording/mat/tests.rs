@@ -292,7 +292,7 @@ mod plain_hdf5 {
         let found = h5(&bytes, &["q"]).unwrap_err();
         assert!(matches!(found, RecordingError::MissingColumn { found, .. } if found.contains(&"arm/q".to_owned())));
         let records = h5(&bytes, &["rec"]).unwrap_err();
-        assert!(matches!(records, RecordingError::NotNumeric { found, .. } if found.contains("records")));
+        assert!(matches!(records, RecordingError::NotNumeric { found, .. } if found.contains("compound")));
     }
 
     #[test]

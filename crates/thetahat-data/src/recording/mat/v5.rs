@@ -88,7 +88,7 @@ impl Reader<'_> {
             return Ok(());
         }
         let matrix = Matrix::of(&elements, self.order).ok_or(None)?;
-        // What objects consist of is stored behind the variables, without a name.
+        // The content of objects follows the variables, without a name.
         if field.is_none() && matrix.name.is_empty() {
             return Ok(());
         }

@@ -270,7 +270,9 @@ fn kind_of_other_values(kind: &DType) -> Option<String> {
         DType::F32 | DType::F64 | DType::I8 | DType::I16 | DType::I32 | DType::I64 => None,
         DType::U8 | DType::U16 | DType::U32 | DType::U64 => None,
         DType::String | DType::VariableLengthString => Some("text".to_owned()),
-        DType::Compound(_) => Some("a table of records, as pandas and PyTables write".to_owned()),
-        _ => Some(format!("values of type {kind}")),
+        DType::Compound(_) => Some("a compound type, as pandas and PyTables write tables".to_owned()),
+        DType::Enum(_) | DType::Array(..) | DType::ObjectReference | DType::Other(_) | _ => {
+            Some(format!("values of type {kind}"))
+        }
     }
 }

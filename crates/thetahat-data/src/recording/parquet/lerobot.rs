@@ -1,4 +1,4 @@
-//! Datasets of LeRobot: names of channels beside the files, and several episodes in one file.
+//! Datasets of LeRobot: names of channels in another file, and several episodes in one file.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
