@@ -36,6 +36,9 @@ pub struct ChannelSource {
     /// Names of columns or variables, in the order of the channels. A variable with several columns gives several
     /// channels, and `name[3]` only its third. None means all columns of a table (CSV, Parquet), or the only numeric variable of another
     /// file. Joints of a bag are `elbow.position`, `elbow.velocity`, `elbow.effort`.
+    ///
+    /// A column of a text may also be named by its number, the second of one name by `name#2`, and one with a unit by its name alone. A data
+    /// set of an HDF5 file is `group/name`. A time in two columns is `sec+nanosec`, or both columns with `unit = ["s", "ns"]`.
     #[serde(default)]
     pub columns: Vec<String>,
     /// The unit of the values in the file: one for all channels, or one for each.

@@ -63,12 +63,15 @@ impl JointColumns {
         let are_values = [0, 1].into_iter().chain(first_value..cells.len()).all(|column| !is_text(column));
         let values = cells.len().saturating_sub(first_value);
         let is_stamp = matches!(cells, [seconds, nanoseconds, ..] if is_whole(seconds) && is_whole(nanoseconds));
-        if count == 0 || !is_stamp || !are_values || !(values == count || values == SIGNALS.len() * count) {
+        let signals = values.checked_div(count).filter(|signals| (1..=SIGNALS.len()).contains(signals));
+        let Some(signals) = signals.filter(|signals| is_stamp && are_values && signals * count == values) else {
             return Self::default();
-        }
+        };
+        // Of two signals the second may be the velocity or the effort.
+        let named = if signals == 2 { count } else { values };
         let joints: Vec<(usize, String)> = rest.take(count).map(|column| (column, cells[column].clone())).collect();
         let signal = |place: usize| format!("{}.{}", joints[place % count].1, SIGNALS[place / count]);
-        let signals = (0..values).map(|place| (first_value + place, signal(place))).collect();
+        let signals = (0..named).map(|place| (first_value + place, signal(place))).collect();
         Self { joints, signals }
     }
 

@@ -218,7 +218,7 @@ impl Scan {
             buffer.clear();
             let read = Read::by_ref(&mut file).take(BUFFER as u64).read_to_end(&mut buffer).map_err(refuse)?;
             let splits_ends = ends_with_return && buffer.first() != Some(&b'\n');
-            if splits_ends || memchr(b'"', &buffer).is_some() || has_single_returns(&buffer) {
+            if splits_ends || memchr(b'"', &buffer).is_some() || has_single_returns(&buffer) || has_comments(&buffer) {
                 return Ok(None);
             }
             if read == 0 {
@@ -255,6 +255,11 @@ impl Scan {
         self.line += 1;
         self.line_start = next;
     }
+}
+
+/// Whether a line begins with the sign of a comment. A line that begins with the buffer is not examined: its row then has another length.
+fn has_comments(buffer: &[u8]) -> bool {
+    memchr_iter(b'\n', buffer).any(|end| matches!(buffer.get(end + 1), Some(b'#' | b'%')))
 }
 
 /// Whether a carriage return stands alone, before the last byte.

@@ -10,7 +10,7 @@ use super::super::table::{Column, Flaw, RequestedColumns, Table};
 use super::dialect::{Detected, Dialect};
 use super::encoding::decoded;
 use super::number::Numbers;
-use super::text::{Body, MOST_COLUMNS, rows, unreadable, without_mark};
+use super::text::{Body, MOST_COLUMNS, begins_comment, rows, unreadable, without_mark};
 use super::transposed;
 use super::values::Values;
 
@@ -62,6 +62,9 @@ pub(super) fn read_columns(
         if columns.names.is_empty() {
             let width = detected.width.filter(|width| *width <= MOST_COLUMNS).unwrap_or(row.len());
             columns.name((1..=width).map(|number| number.to_string()).collect(), wanted)?;
+        }
+        if columns.is_comment(&row) {
+            continue;
         }
         if columns.is_cut(&row) {
             is_cut = true;
@@ -125,6 +128,11 @@ impl<'a> Columns<'a> {
             columns[place] = Column { flaw: column.flaw.or(of_order), channel_names, ..column };
         }
         columns
+    }
+
+    /// Whether a row is a comment among the values: it begins with the sign of one, and has another length.
+    fn is_comment(&self, row: &ByteRecord) -> bool {
+        row.len() != self.names.len() && row.get(0).is_some_and(begins_comment)
     }
 
     /// Whether a row is too short and the text ends in it.

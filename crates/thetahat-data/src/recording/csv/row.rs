@@ -2,7 +2,7 @@
 
 use super::number::{Decimal, Numbers};
 use super::stamp::Stamp;
-use super::text::{Line, MOST_COLUMNS, cells, characters};
+use super::text::{Line, MOST_COLUMNS, begins_comment, cells, characters};
 
 /// Most cells of a row that are examined.
 const MOST_CELLS: usize = MOST_COLUMNS + 1;
@@ -33,7 +33,7 @@ impl Row {
         set: Option<Decimal>,
         decimal: &mut DecimalEvidence,
     ) -> Self {
-        let is_comment = matches!(line.bytes(text).trim_ascii_start().first(), Some(b'#' | b'%'));
+        let is_comment = begins_comment(line.bytes(text));
         let cells = cells_of_line(line.bytes(text), delimiter);
         let cells = cells.iter().map(|cell| cell_kind(cell, delimiter, set, decimal)).collect();
         Self { line, is_comment, cells }

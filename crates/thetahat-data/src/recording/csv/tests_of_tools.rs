@@ -81,6 +81,12 @@ fn a_delimiter_after_the_last_column_is_no_column() {
     assert!(matches!(read_text("t;q\n0;1\n0;1;2\n", ""), Err(RecordingError::RowLength { line: 3, .. })));
 }
 
+#[test]
+fn comments_among_the_values() {
+    assert_eq!(columns("t,q\n0,1\n# paused, for a while, here\n1,2\n% end", "['q', 't']"), [1.0, 0.0, 2.0, 1.0]);
+    assert!(matches!(read_text("t,q\n0,1\nTotal: 3\n1,2\n", ""), Err(RecordingError::RowLength { line: 3, .. })));
+}
+
 /// The column of comments is named, and rows have no cell for it.
 #[test]
 fn labview_measurements() {
@@ -192,6 +198,9 @@ fn joint_states_of_ros_2() {
         assert!(found.iter().zip(time).all(|(a, b)| (a - b).abs() < 1e-9), "{keys} {found:?}");
     }
     assert_eq!(columns(text, "['a.position', 'b.effort', '7']"), [2.0, 5.0, 2.0, 8.0, 11.0, 8.0, 8.0, 11.0, 8.0]);
+    // The second of two signals may be the velocity or the effort.
+    let names = names_in("10,7,base,b,a,1,2,3,4\n10,8,base,b,a,1,2,3,4\n");
+    assert_eq!(names[5..9], ["b.position", "a.position", "8", "9"]);
     let contents = inspected(text);
     assert_eq!(contents.tables[0].columns[5].name, "b.position");
     assert_eq!(contents.tables[0].times[0].column, "1+2");

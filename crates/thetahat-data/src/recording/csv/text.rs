@@ -19,6 +19,11 @@ pub(super) fn characters(cell: &[u8]) -> String {
     str::from_utf8(cell).map_or_else(|_| cell.iter().map(|&byte| char::from(byte)).collect(), str::to_owned)
 }
 
+/// Whether a line begins with the sign of a comment.
+pub(super) fn begins_comment(line: &[u8]) -> bool {
+    matches!(line.trim_ascii_start().first(), Some(b'#' | b'%'))
+}
+
 /// The text without its byte order mark.
 pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)

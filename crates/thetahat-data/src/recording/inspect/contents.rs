@@ -222,9 +222,9 @@ fn column_summary(column: &Column) -> ColumnSummary {
     let not_numeric = match &column.flaw {
         Some(Flaw::Kind(kind)) => Some(kind.clone()),
         Some(Flaw::Text { line, found }) => Some(format!("text, such as {found:?} in line {line}")),
-        Some(Flaw::UnclearDate { line, found }) => {
-            Some(format!("dates that may begin with the day or the month, such as {found:?} in line {line}"))
-        }
+        Some(Flaw::UnclearDate { line, found }) => Some(format!(
+            "dates that may begin with the day or the month, such as {found:?} in line {line}: set day_first"
+        )),
         Some(Flaw::JointOrder { line, .. }) => Some(format!("values of another joint from line {line} on")),
         Some(Flaw::NotFinite { .. }) | None => None,
     };
