@@ -17,7 +17,9 @@ use super::shape::samples_and_channels;
 /// Deepest nesting of structures.
 const DEEPEST_STRUCTURE: usize = 8;
 /// Most variables and structures of one file. Groups may contain themselves, so that a limit of depth alone does not end a walk.
-const MOST_OBJECTS: usize = 4096;
+const MOST_OBJECTS: usize = 1 << 14;
+/// Sides beyond which a matrix is no recording: compressed images, a row each, are such.
+const LARGEST_SIDES: [usize; 2] = [100, 10_000];
 
 /// The program whose conventions a file follows.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -179,6 +181,9 @@ impl Reader<'_> {
             [samples, channels] => (samples, channels),
             _ => return Ok(Column::of_kind(name, format!("an array of {} dimensions", shape.len()))),
         };
+        if samples > LARGEST_SIDES[0] && channels > LARGEST_SIDES[1] {
+            return Ok(Column::of_kind(name, format!("a matrix of {samples} x {channels} values, as of images")));
+        }
         if !self.wanted.includes(&name) {
             return Ok(Column::of_numbers(name, 0, Vec::new()));
         }
