@@ -74,7 +74,7 @@ pub struct ChannelSource {
     /// Number of the episode that is read of a Parquet file of several episodes; none means the first.
     #[serde(default)]
     pub episode: Option<u64>,
-    /// Whether a matrix or a text has one row, not one column, for each channel.
+    /// Whether a matrix or a text has one row, not one column, for each channel; of a text with far more cells than lines it is evident.
     #[serde(default)]
     pub channels_in_rows: bool,
     /// Number of channels whose values are interleaved in one column, sample by sample.

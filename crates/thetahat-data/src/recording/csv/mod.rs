@@ -35,7 +35,6 @@ pub use dialect::Dialect;
 pub use number::Decimal;
 pub(super) use pieces::TextPieces;
 pub(super) use read::{names, read, read_with_dialect};
-pub(super) use transposed::has_channels_in_rows;
 pub(super) use unit_line::unit_left_out;
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ use super::encoding::is_utf_16;
 use super::number::Numbers;
 use super::read::read_columns;
 use super::text::without_mark;
+use super::transposed::{is_evident, is_wide};
 use super::values::flaw;
 use thetahat_ground::files::{self, File};
 
@@ -65,6 +66,9 @@ impl TextPieces {
             return Ok(None);
         }
         let text = without_mark(&beginning);
+        if is_evident(text, path, dialect) {
+            return Ok(None);
+        }
         let detected = match dialect.detect(text, path) {
             Err(RecordingError::EmptyFile { .. }) if beginning.len() + 1 >= BUFFER => return Ok(None),
             detected => detected?,
@@ -75,10 +79,12 @@ impl TextPieces {
             return Ok(None);
         }
         let (delimiter, first_line, line) = (detected.delimiter, detected.first_line, detected.line);
-        let names = columns.into_iter().map(|c| c.name).collect();
+        let names: Vec<String> = columns.into_iter().map(|c| c.name).collect();
         let byte = (beginning.len() - text.len() + detected.start) as u64;
         let scan = Scan { delimiter, marks: Vec::new(), rows: 0, line, line_start: byte, content: false };
-        let Some((marks, rows, end)) = scan.run(file, path)? else { return Ok(None) };
+        let Some((marks, rows, end)) = scan.run(file, path)?.filter(|(_, rows, _)| !is_wide(names.len(), *rows)) else {
+            return Ok(None);
+        };
         Ok(Some(Self { path: path.to_owned(), delimiter, numbers, names, first_line, marks, rows, end }))
     }
 

@@ -33,8 +33,10 @@ pub(in super::super) fn read_with_dialect(
 ) -> Result<(Table, Dialect), RecordingError> {
     let decoded = decoded(bytes, path)?;
     let text = without_mark(&decoded);
+    let channels_in_rows = dialect.channels_in_rows || transposed::is_evident(text, path, dialect);
+    let dialect = &Dialect { channels_in_rows, ..*dialect };
     let detected = dialect.detect(text, path)?;
-    if dialect.channels_in_rows {
+    if channels_in_rows {
         return transposed::read(text, path, dialect, &detected, wanted);
     }
     let (columns, numbers, is_cut) = read_columns(text, path, dialect, &detected, wanted)?;

@@ -250,10 +250,16 @@ fn channels_in_lines() {
     let text = format!("t,{}\nq1,{}\n", cells(&|k| format!("{}", 0.01 * k as f64)), cells(&|k| (k % 7).to_string()));
     let found = read_text(&text, "columns = ['q1', '1']\nchannels_in_rows = true").unwrap();
     assert_eq!((found.len(), found[2], found[4]), (400, 1.0, 2.0));
+    // Far more cells than lines show it, so that what is listed can be read.
+    assert_eq!(read_text(&text, "columns = ['q1']").unwrap().len(), 200);
     let contents = inspected(&text);
     let table = &contents.tables[0];
     assert_eq!((table.samples, table.columns[1].name.as_str(), table.columns[1].in_rows), (200, "q1", true));
     assert_eq!(table.times[0].column, "t");
+    let wide = ["t", "q1"].map(|name| format!("{name}{}\n", ",1.5".repeat(12_000))).concat();
+    let (folder, source) = (Folder::with(FILE, &wide), source("columns = ['q1']"));
+    assert!(SignalPieces::open(&[&source], folder.path()).unwrap().is_none());
+    assert_eq!(columns(&wide, "['q1']").len(), 12_000);
     let short = "q1,1,2,3\nq2,1,2\n";
     let error = read_text(short, "columns = ['q1']\nchannels_in_rows = true").unwrap_err();
     assert!(matches!(error, RecordingError::RowLength { line: 2, first_line: 1, expected: 4, found: 3, .. }));

@@ -7,10 +7,9 @@ use csv::ByteRecord;
 use super::super::error::RecordingError;
 use super::super::table::{Column, RequestedColumns, Table};
 use super::dialect::{Detected, Dialect};
-use super::encoding::decoded;
 use super::number::Numbers;
 use super::stamp::Stamp;
-use super::text::{Body, characters, lines, rows, unreadable, without_mark};
+use super::text::{Body, characters, lines, rows, unreadable};
 use super::values::Values;
 
 /// Most lines of a text that is taken to have channels in lines.
@@ -69,24 +68,23 @@ fn is_name(cell: &str, mut numbers: Numbers) -> bool {
     !cell.is_empty() && numbers.read(cell.as_bytes()).is_none() && Stamp::parse(cell).is_none()
 }
 
-/// Whether a text has few lines of many cells.
-pub(in super::super) fn has_channels_in_rows(
-    bytes: &[u8],
-    path: &Path,
-    dialect: &Dialect,
-) -> Result<bool, RecordingError> {
-    let decoded = decoded(bytes, path)?;
-    let text = without_mark(&decoded);
+/// Whether a text has few lines of many cells, unless its first line is said to name columns.
+pub(super) fn is_evident(text: &[u8], path: &Path, dialect: &Dialect) -> bool {
     let with_content = lines(text).filter(|line| !line.bytes(text).trim_ascii().is_empty());
     let count = with_content.take(MOST_LINES + 1).count();
-    if count > MOST_LINES {
-        return Ok(false);
+    if count > MOST_LINES || dialect.header == Some(true) {
+        return false;
     }
     let in_rows = Dialect { channels_in_rows: true, ..*dialect };
-    let Ok(detected) = in_rows.detect(text, path) else { return Ok(false) };
+    let Ok(detected) = in_rows.detect(text, path) else { return false };
     let body = Body { bytes: &text[detected.start..], line: detected.line };
     let prepared = body.prepared(detected.delimiter);
     let mut row = ByteRecord::new();
-    rows(&prepared, detected.delimiter).read_byte_record(&mut row).map_err(|e| unreadable(path, e))?;
-    Ok(row.len() > LEAST_CELLS && row.len() >= WIDER * count)
+    let is_read = rows(&prepared, detected.delimiter).read_byte_record(&mut row).is_ok();
+    is_read && is_wide(row.len(), count)
+}
+
+/// Whether cells of a line are so many more than the lines that these are channels.
+pub(super) fn is_wide(cells: usize, lines: usize) -> bool {
+    cells > LEAST_CELLS && cells >= WIDER * lines
 }

@@ -149,8 +149,6 @@ impl FileTables {
     fn of_lines(path: &Path) -> Result<Self, RecordingError> {
         let bytes = file_bytes(path)?;
         let tolerant = Dialect { drop_cut_line: true, ..Dialect::default() };
-        let channels_in_rows = csv::has_channels_in_rows(&bytes, path, &tolerant)?;
-        let tolerant = Dialect { channels_in_rows, ..tolerant };
         let (mut table, dialect) = csv::read_with_dialect(&bytes, path, &tolerant, RequestedColumns::All)?;
         split_time::add_evident(&mut table);
         table.columns = table.columns.into_iter().flat_map(by_channel_names).collect();
