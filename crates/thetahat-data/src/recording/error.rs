@@ -332,7 +332,7 @@ pub enum RecordingError {
 
     /// A line of a text has more values than the allowed number of columns.
     #[error(
-        "{file}: line {line} has {found} values, and at most {limit} are read as columns; write one sample a line, one \
+        "{file}: line {line} has {found} or more values, and at most {limit} are read as columns; write one sample a line, one \
          channel a line with channels_in_rows = true, or one value a line with interleaved = CHANNELS"
     )]
     TooManyColumns {
@@ -340,7 +340,7 @@ pub enum RecordingError {
         file: PathBuf,
         /// The line, counted from 1.
         line: u64,
-        /// Number of its values.
+        /// Least number of its values.
         found: usize,
         /// Most columns.
         limit: usize,

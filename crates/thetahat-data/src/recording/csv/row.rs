@@ -22,21 +22,17 @@ pub(super) struct Row {
     pub(super) line: Line,
     pub(super) is_comment: bool,
     pub(super) cells: Vec<CellKind>,
+    pub(super) decimal: DecimalEvidence,
 }
 
 impl Row {
-    /// A row of a text; its numbers may show the decimal sign, unless it is set.
-    pub(super) fn of(
-        text: &[u8],
-        line: Line,
-        delimiter: u8,
-        set: Option<Decimal>,
-        decimal: &mut DecimalEvidence,
-    ) -> Self {
+    /// A row of a text; the decimal sign may be set.
+    pub(super) fn of(text: &[u8], line: Line, delimiter: u8, set: Option<Decimal>) -> Self {
+        let mut decimal = DecimalEvidence::default();
         let is_comment = begins_comment(line.bytes(text));
         let cells = cells_of_line(line.bytes(text), delimiter);
-        let cells = cells.iter().map(|cell| cell_kind(cell, delimiter, set, decimal)).collect();
-        Self { line, is_comment, cells }
+        let cells = cells.iter().map(|cell| cell_kind(cell, delimiter, set, &mut decimal)).collect();
+        Self { line, is_comment, cells, decimal }
     }
 
     /// The texts of its cells.
@@ -54,7 +50,7 @@ impl Row {
     }
 }
 
-/// The decimal sign, by the numbers of the sample.
+/// What the numbers of a row show of the decimal sign.
 #[derive(Default)]
 pub(super) struct DecimalEvidence {
     pub(super) shown: Option<Decimal>,

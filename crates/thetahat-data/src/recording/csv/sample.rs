@@ -1,7 +1,7 @@
 //! The first rows of a text, split at a given delimiter, and the place of the table in them.
 
 use super::number::{Decimal, Numbers};
-use super::row::{CellKind, DecimalEvidence, Row};
+use super::row::{CellKind, Row};
 use super::text::Line;
 use super::unit_line::is_unit_line;
 
@@ -14,7 +14,6 @@ pub(super) struct Sample<'a> {
     width: usize,
     /// Columns that contain values.
     value_columns: Vec<usize>,
-    decimal: DecimalEvidence,
     pub(super) table: TablePlace,
 }
 
@@ -38,10 +37,9 @@ impl<'a> Sample<'a> {
         set: Option<Decimal>,
         header: Option<bool>,
     ) -> Self {
-        let mut decimal = DecimalEvidence::default();
-        let rows = lines.iter().map(|line| Row::of(text, *line, delimiter, set, &mut decimal)).collect();
+        let rows = lines.iter().map(|line| Row::of(text, *line, delimiter, set)).collect();
         let table = TablePlace::default();
-        let mut sample = Self { text, delimiter, rows, width: 0, value_columns: Vec::new(), decimal, table };
+        let mut sample = Self { text, delimiter, rows, width: 0, value_columns: Vec::new(), table };
         sample.width = sample.usual_width();
         sample.leave_out_trailing_cells();
         sample.value_columns = sample.columns_of_values();
@@ -88,8 +86,10 @@ impl<'a> Sample<'a> {
     /// How numbers are read, as set or as the sample shows.
     pub(super) fn numbers(&self, set: Option<Decimal>) -> Numbers {
         let by_commas = self.delimiter == b',';
-        let decimal = set.or(self.decimal.shown).or(by_commas.then_some(Decimal::Point));
-        let grouped = set.is_some() || self.decimal.shown.is_some() || by_commas && self.decimal.has_point;
+        let shown = self.values().find_map(|row| row.decimal.shown);
+        let decimal = set.or(shown).or(by_commas.then_some(Decimal::Point));
+        let has_point = || self.values().any(|row| row.decimal.has_point);
+        let grouped = set.is_some() || shown.is_some() || by_commas && has_point();
         Numbers::new(decimal, grouped)
     }
 

@@ -183,6 +183,8 @@ fn separators_of_thousands() {
     assert_eq!(columns("q;a\n\"1,234.5\";1\n\"-2,000.25\";2\n", "['q']"), [1234.5, -2000.25]);
     assert_eq!(columns("q;a\n1.234,5;1\n2.000,25;2\n", "['q']"), [1234.5, 2000.25]);
     assert_eq!(columns("q;a\n1'234.5;1\n0.25;2\n", "['q']"), [1234.5, 0.25]);
+    // Settings above the table show nothing.
+    assert_eq!(columns("Serial;1.234.567\nt;q\n0;0.5\n1;1.5\n", "['q']"), [0.5, 1.5]);
     // Nothing shows which sign is which: commas may be decimal.
     assert!(matches!(read_text("a,b\n1,\"1,234\"\n", "columns = ['b']"), Err(RecordingError::NotANumber { .. })));
     assert_eq!(read_text("a;b\n1;1.234\n", "columns = ['b']\ndecimal = ','").unwrap(), [1234.0]);
