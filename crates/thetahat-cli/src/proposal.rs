@@ -44,9 +44,11 @@ pub fn write_experiment(init: &Init) -> Result<Ending, Box<dyn Error>> {
         .map_err(|e| format!("{}: cannot be written: {e}", init.out.display()))?;
     let to_fill_in: String = proposal.to_fill_in().iter().map(|what| format!("To fill in: {what}\n")).collect();
     let not_used: String = proposal.not_used().iter().map(|what| format!("{what}\n")).collect();
+    let read = contents.iter().flat_map(|c| c.notes.iter().map(|note| (c.file.display(), note)));
+    let notes: String = read.map(|(file, note)| format!("{file}: {note}\n")).collect();
     let guesses: String = proposal.guesses().iter().map(|what| format!("Assumed: {what}\n")).collect();
     print(&format!(
-        "written: {out}\n{not_used}{guesses}{to_fill_in}Review it: assumptions are marked as guesses. Then:\n  thetahat check {out}{options}\n  \
+        "written: {out}\n{notes}{not_used}{guesses}{to_fill_in}Review it: assumptions are marked as guesses. Then:\n  thetahat check {out}{options}\n  \
          thetahat identify {out}{options}\n",
         out = init.out.display(),
         options = options_for(&files),

@@ -33,8 +33,8 @@ pub enum RecordingError {
 
     /// The extension belongs to no known format.
     #[error(
-        "{file}: expected a file name that ends in .csv or .mat, or in .tsv, .txt, .dat, .npy, .npz, .parquet, .db3, \
-         .mcap or .bag, or a folder with metadata.yaml, found {found:?}; export the recording to CSV"
+        "{file}: expected a file name that ends in .csv or .mat, or in .tsv, .tab, .txt, .dat, .asc, .log, .lvm, .npy, .npz, .h5, .hdf5, \
+         .parquet, .db3, .mcap or .bag, or a folder with metadata.yaml, found {found:?}; export the recording to CSV"
     )]
     UnknownFormat {
         /// The file.
@@ -150,7 +150,7 @@ pub enum RecordingError {
     /// The first line of a CSV file may contain names or values.
     #[error(
         "{file}: line {line}: some columns of numbers begin with a number and some with text, so it may be a line of names \
-         or of values; say which by `header = true` or `header = false`"
+         or of values; say which by `header = true` or `header = false`, or leave it out by `skip_lines`"
     )]
     UnclearHeader {
         /// The file.
@@ -171,7 +171,7 @@ pub enum RecordingError {
     },
 
     /// The file has several columns of the requested name.
-    #[error("{file}: column {column:?} occurs {found} times (in a CSV file, in line 1); give each column its own name")]
+    #[error("{file}: column {column:?} occurs {found} times; give each column its own name")]
     AmbiguousColumn {
         /// The file.
         file: PathBuf,
@@ -192,14 +192,17 @@ pub enum RecordingError {
 
     /// A row of a CSV file is longer or shorter than the header.
     #[error(
-        "{file}: line {line}: expected {expected} values as in line 1, found {found}; the values were taken to be separated \
-         by {delimiter:?}: correct the line, or set `delimiter`, and `decimal` if the decimal sign is a comma"
+        "{file}: line {line}: expected {expected} values as in line {first_line}, found {found}; the values were taken to be \
+         separated by {delimiter:?}: correct the line, or set `delimiter`, `decimal` if the decimal sign is a comma, or \
+         `skip_lines` if the table begins further down"
     )]
     RowLength {
         /// The file.
         file: PathBuf,
         /// The line, counted from 1.
         line: u64,
+        /// The first line of the table.
+        first_line: u64,
         /// Number of names in the header.
         expected: usize,
         /// Number of values in the row.
@@ -224,6 +227,93 @@ pub enum RecordingError {
         found: String,
     },
 
+    /// Dates change, and the order of day and month is not evident.
+    #[error(
+        "{file}: line {line}, column {column:?}: {found:?} may begin with the day or with the month; say which by \
+         `day_first = true` or `day_first = false`, or write dates as 2026-11-25"
+    )]
+    UnclearDate {
+        /// The file.
+        file: PathBuf,
+        /// The line, counted from 1.
+        line: u64,
+        /// The name of the column.
+        column: String,
+        /// The date.
+        found: String,
+    },
+
+    /// The rows of joint states name their joints in different orders.
+    #[error(
+        "{file}: line {line}, column {column:?}: the rows name joints in different orders: {found:?} is where {expected:?} was \
+         before; record with one publisher of joint states, or read the bag instead"
+    )]
+    JointOrder {
+        /// The file.
+        file: PathBuf,
+        /// The first line with another order, counted from 1.
+        line: u64,
+        /// The name of the column.
+        column: String,
+        /// The joint that the first row names there.
+        expected: String,
+        /// The joint that this row names there.
+        found: String,
+    },
+
+    /// Dates or times of day have a unit other than the second.
+    #[error(
+        "{file}: {column:?}: dates and times of day are read as seconds from the first one, but the unit is {:?}; set \
+         unit = \"s\"",
+        .found.symbol()
+    )]
+    UnitOfStamps {
+        /// The file.
+        file: PathBuf,
+        /// The name of the column.
+        column: String,
+        /// The unit given.
+        found: Unit,
+    },
+
+    /// The unit that the file gives to a column is not the stated one.
+    #[error(
+        "{file}: {column:?}: the file gives the unit {:?}, and the stated unit is {:?}; set unit = {:?}",
+        .expected.symbol(), .found.symbol(), .expected.symbol()
+    )]
+    OtherUnit {
+        /// The file.
+        file: PathBuf,
+        /// The name of the column, with its unit.
+        column: String,
+        /// The unit in the file.
+        expected: Unit,
+        /// The unit given.
+        found: Unit,
+    },
+
+    /// The file is read after a conversion by another program.
+    #[error("{file}: {what} is not read; convert it: {remedy}")]
+    ToConvert {
+        /// The file.
+        file: PathBuf,
+        /// What it is.
+        what: &'static str,
+        /// A command, or another way.
+        remedy: String,
+    },
+
+    /// The file has no episode of this number.
+    #[error("{file}: there is no episode {episode}; {found}; correct `episode`")]
+    MissingEpisode {
+        /// The file.
+        file: PathBuf,
+        /// The requested number.
+        episode: u64,
+        /// The episodes that are there.
+        found: String,
+    },
+
     /// The last line of a text is incomplete.
     #[error(
         "{file}: line {line}, the last one, is cut: it has {found} of {expected} columns and no end; leave it out with \
@@ -242,15 +332,15 @@ pub enum RecordingError {
 
     /// A line of a text has more values than the allowed number of columns.
     #[error(
-        "{file}: line {line} has {found} values, and at most {limit} are read as columns; write one sample a line, or one \
-         value a line with interleaved = CHANNELS"
+        "{file}: line {line} has {found} or more values, and at most {limit} are read as columns; write one sample a line, one \
+         channel a line with channels_in_rows = true, or one value a line with interleaved = CHANNELS"
     )]
     TooManyColumns {
         /// The file.
         file: PathBuf,
         /// The line, counted from 1.
         line: u64,
-        /// Number of its values.
+        /// Least number of its values.
         found: usize,
         /// Most columns.
         limit: usize,

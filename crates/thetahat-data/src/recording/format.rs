@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum Format {
-    /// Text in columns: `.csv`, `.tsv`, `.txt`, `.dat`.
+    /// Text in columns: `.csv`, `.tsv`, `.tab`, `.txt`, `.dat`, `.asc`, `.log`, `.lvm`.
     Csv,
     /// One NumPy array: `.npy`.
     Npy,
@@ -17,6 +17,8 @@ pub enum Format {
     Npz,
     /// MATLAB variables: `.mat`, of version 5 or 7.3.
     Mat,
+    /// HDF5: `.h5`, `.hdf5`.
+    Hdf5,
     /// Apache Parquet: `.parquet`.
     Parquet,
     /// A ROS 2 bag in SQLite: `.db3`.
@@ -44,10 +46,11 @@ impl Format {
     /// The format of a lower-case extension; none if there is none.
     pub(super) fn of_extension(extension: &str) -> Option<Self> {
         match extension {
-            "csv" | "tsv" | "txt" | "dat" => Some(Self::Csv),
+            "csv" | "tsv" | "tab" | "txt" | "dat" | "asc" | "log" | "lvm" => Some(Self::Csv),
             "npy" => Some(Self::Npy),
             "npz" => Some(Self::Npz),
             "mat" => Some(Self::Mat),
+            "h5" | "hdf5" => Some(Self::Hdf5),
             "parquet" => Some(Self::Parquet),
             "db3" => Some(Self::Db3),
             "mcap" => Some(Self::Mcap),
@@ -60,7 +63,7 @@ impl Format {
     pub(super) fn holds(self) -> Holds {
         match self {
             Self::Csv => Holds::Lines,
-            Self::Npy | Self::Npz | Self::Mat | Self::Parquet => Holds::Arrays,
+            Self::Npy | Self::Npz | Self::Mat | Self::Hdf5 | Self::Parquet => Holds::Arrays,
             Self::Db3 | Self::Mcap | Self::Ros1 | Self::Metadata => Holds::Topics,
         }
     }
@@ -84,6 +87,7 @@ impl fmt::Display for Format {
             Self::Npy => "a NumPy array",
             Self::Npz => "a NumPy archive",
             Self::Mat => "a MAT file",
+            Self::Hdf5 => "an HDF5 file",
             Self::Parquet => "a Parquet file",
             Self::Db3 => "a ROS 2 bag in SQLite",
             Self::Mcap => "a ROS 2 bag in MCAP",

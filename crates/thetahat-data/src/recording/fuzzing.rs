@@ -11,7 +11,10 @@ use super::{mat, npy};
 
 /// Text in columns, with everything detected.
 pub fn csv(bytes: &[u8]) {
-    let _ = csv::read(bytes, Path::new("fuzz.csv"), &Dialect::default(), RequestedColumns::All);
+    for channels_in_rows in [false, true] {
+        let dialect = Dialect { channels_in_rows, ..Dialect::default() };
+        let _ = csv::read(bytes, Path::new("fuzz.csv"), &dialect, RequestedColumns::All);
+    }
 }
 
 /// A NumPy array.
@@ -36,10 +39,17 @@ pub fn mat73(bytes: &[u8]) {
     let _ = mat::read_v73(bytes.to_vec(), Path::new("fuzz.mat"), RequestedColumns::All);
 }
 
+/// An HDF5 file.
+#[cfg(feature = "hdf5")]
+pub fn hdf5(bytes: &[u8]) {
+    let _ = mat::read_hdf5(bytes.to_vec(), Path::new("fuzz.h5"), RequestedColumns::All);
+}
+
 /// A Parquet file, whole and a piece of it.
 #[cfg(feature = "parquet")]
 pub fn parquet(bytes: &[u8]) {
-    let _ = super::parquet::read(bytes.to_vec(), Path::new("fuzz.parquet"), RequestedColumns::All);
+    let info = super::parquet::DatasetInfo::default();
+    let _ = super::parquet::read_episode(bytes.to_vec(), Path::new("fuzz.parquet"), info, None, RequestedColumns::All);
     super::parquet::fuzz_pieces(bytes);
 }
 

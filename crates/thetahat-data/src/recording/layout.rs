@@ -13,8 +13,6 @@ const MOST_CHANNELS: usize = 100;
 pub(super) enum Layout {
     /// A channel in each column.
     Columns,
-    /// A channel in each row of a matrix.
-    Rows,
     /// The channels of a sample one after the other in one column.
     Interleaved {
         /// Number of channels.
@@ -28,10 +26,6 @@ pub(super) enum Layout {
 pub(super) fn laid_out(layout: Layout, columns: Series, path: &Path) -> Result<Series, RecordingError> {
     match layout {
         Layout::Columns => Ok(columns),
-        Layout::Rows => {
-            let rows: Vec<Vec<f64>> = (0..columns.len()).map(|k| columns.sample(k).to_vec()).collect();
-            Ok(Series::side_by_side(&rows))
-        }
         Layout::Interleaved { channels } => {
             let (values, found) = (columns.len(), columns.channels());
             if channels == 0 || found != 1 || !values.is_multiple_of(channels) {

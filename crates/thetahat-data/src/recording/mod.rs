@@ -3,18 +3,19 @@
 //! A [`ChannelSource`] describes where the channels of one signal are (file, columns) and what they are (unit, side of the transmission,
 //! gain); [`read_channels`] reads them as a [`Series`](thetahat_ground::series::Series), and rejects ambiguous columns and values that are
 //! not finite. [`inspect`] lists the content of a file, even of a flawed one. The [`Format`] follows from the extension: text in columns,
-//! NumPy, MATLAB, Parquet and ROS bags; `docs/reference/recordings.md` describes each. Values from the motor side stay on the motor side:
+//! NumPy, MATLAB, HDF5, Parquet and ROS bags; `docs/reference/recordings.md` describes each. Values from the motor side stay on the motor side:
 //! the robot's transmission converts them.
 //!
 //! | file | what it does |
 //! | --- | --- |
 //! | `source` | the description of a signal and its reading |
 //! | `place`, `budget`, `panic_guard` | where a file may be, how much memory it may request, panics of libraries |
-//! | `format`, `reader` | the formats, and the reader of each |
+//! | `format`, `reader`, `conversion` | the formats, the reader of each, and what another program has to convert |
 //! | `csv`, `npy` with `npy_header`, `npz`, `mat`, `parquet`, `bag` | the readers |
 //! | `pieces` | signals of files larger than memory, piece by piece |
-//! | `layout` | channels in rows, interleaved, or one in each row |
+//! | `layout` | channels interleaved, or one in each row |
 //! | `table`, `select` | the columns that readers return, and the selection from them |
+//! | `split_time` | times in two columns, seconds and nanoseconds |
 //! | `inspect` | the content of a file: columns, their ranges and resolution, rate, jitter and gaps |
 //! | `unit` | units, their factors to SI, and the dimensions they measure |
 //! | `checks` | the sample rate from a time column; signals of the same length |
@@ -39,6 +40,7 @@ mod bag;
 mod budget;
 mod checks;
 mod clock;
+mod conversion;
 mod csv;
 mod error;
 mod format;
@@ -60,12 +62,15 @@ mod place;
 mod reader;
 mod select;
 mod source;
+mod split_time;
 mod stretches;
 mod table;
 mod unit;
 
 #[cfg(test)]
 mod test_files;
+#[cfg(test)]
+mod written_elsewhere;
 
 pub use bag::{BagError, OtherTopic};
 pub use checks::{STEP_TOLERANCE, not_all_zero, one_channel, same_length, sample_rate_from_time};

@@ -8,10 +8,10 @@ use super::error::RecordingError;
 use super::format::Format;
 use super::npy::ArrayPieces;
 #[cfg(feature = "parquet")]
-use super::parquet::GroupPieces;
+use super::parquet::{DatasetInfo, GroupPieces};
 use super::place::file_length;
 use super::select;
-use super::source::ChannelSource;
+use super::source::{ChannelSource, require_units_of_file};
 use super::table::{Column, RequestedColumns, Table};
 use thetahat_ground::series::Series;
 
@@ -59,7 +59,9 @@ impl SignalPieces {
             if file == pieces.files.len() {
                 let of_file = |s: &&&ChannelSource| s.file == source.file && s.dialect() == source.dialect();
                 let wanted = columns(sources.iter().filter(of_file).copied());
-                let Some(opened) = FilePieces::open(source, format, &path, wanted.as_deref())? else { return Ok(None) };
+                let Some(opened) = FilePieces::open(source, format, root, &path, wanted.as_deref())? else {
+                    return Ok(None);
+                };
                 pieces.files.push(opened);
             }
             let signal = Signal { source: source.clone(), path, format, file, factors: Vec::new() };
@@ -114,7 +116,9 @@ impl Signal {
             }
             error
         };
-        let mut series = select::series(table, self.format, &self.source.columns, &self.path).map_err(in_file)?;
+        let columns = select::columns(table, self.format, &self.source.columns, &self.path)?;
+        require_units_of_file(&self.source, &columns, &self.path)?;
+        let mut series = columns.series(&self.path).map_err(in_file)?;
         if !self.factors.is_empty() {
             for sample in series.values_mut().chunks_exact_mut(self.factors.len()) {
                 sample.iter_mut().zip(&self.factors).for_each(|(value, factor)| *value *= factor);
@@ -144,6 +148,7 @@ impl FilePieces {
     fn open(
         source: &ChannelSource,
         format: Format,
+        root: &Path,
         path: &Path,
         columns: Option<&[String]>,
     ) -> Result<Option<Self>, RecordingError> {
@@ -157,7 +162,8 @@ impl FilePieces {
             Format::Npz => archive(path, wanted(columns)),
             #[cfg(feature = "parquet")]
             Format::Parquet => {
-                Ok(GroupPieces::open(path, wanted(columns))?.map(|pieces| Self::Groups(Box::new(pieces))))
+                let info = DatasetInfo::of(path, source.root(root));
+                Ok(GroupPieces::open(path, info, wanted(columns))?.map(|pieces| Self::Groups(Box::new(pieces))))
             }
             // The others are read whole.
             _ => Ok(None),

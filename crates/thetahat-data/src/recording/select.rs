@@ -4,29 +4,60 @@ use std::path::Path;
 
 use super::checks::require_finite;
 use super::error::RecordingError;
-use super::format::Format;
-use super::table::{Column, Table, indexed};
+use super::format::{Format, Holds};
+use super::table::{Column, Table, indexed, is_other_spelling};
 use thetahat_ground::series::Series;
 
 /// The named columns of a table, joined.
+#[cfg(test)]
+pub(super) fn series(table: &Table, format: Format, asked: &[String], path: &Path) -> Result<Series, RecordingError> {
+    columns(table, format, asked, path)?.series(path)
+}
+
+/// The named columns of a table, in the order of the names.
 ///
 /// A column of several channels gives all of them, `name[3]` its third. Without names, all columns of a file that is one table, or the only
 /// numeric variable of another file.
-pub(super) fn series(table: &Table, format: Format, asked: &[String], path: &Path) -> Result<Series, RecordingError> {
+pub(super) fn columns<'a>(
+    table: &'a Table,
+    format: Format,
+    asked: &[String],
+    path: &Path,
+) -> Result<SelectedColumns<'a>, RecordingError> {
     let columns = match asked {
         [] => unnamed(table, format, path)?,
-        _ => asked.iter().map(|name| find(table, name, path)).collect::<Result<_, _>>()?,
+        _ => asked.iter().map(|name| find(table, format, name, path)).collect::<Result<_, _>>()?,
     };
-    for (column, _) in &columns {
-        column.require_sound(path)?;
-        require_finite(&column.values, path, &column.name)?;
-    }
-    same_samples(&columns, path)?;
-    Ok(side_by_side(&columns))
+    Ok(SelectedColumns(columns))
 }
+
+/// Columns of a table in the order of the channels.
+pub(super) struct SelectedColumns<'a>(Vec<Selected<'a>>);
 
 /// A column, and which of its channels: none means all.
 type Selected<'a> = (&'a Column, Option<usize>);
+
+impl<'a> SelectedColumns<'a> {
+    /// The channels side by side, if all values are finite numbers.
+    pub(super) fn series(&self, path: &Path) -> Result<Series, RecordingError> {
+        for (column, _) in &self.0 {
+            column.require_sound(path)?;
+            require_finite(&column.values, path, &column.name)?;
+        }
+        same_samples(&self.0, path)?;
+        Ok(side_by_side(&self.0))
+    }
+
+    /// The columns, each with the index of its first channel.
+    pub(super) fn with_channels(&self) -> impl Iterator<Item = (usize, &'a Column)> {
+        let mut channel = 0;
+        self.0.iter().map(move |(column, only)| {
+            let first = channel;
+            channel += if only.is_some() { 1 } else { column.channels };
+            (first, *column)
+        })
+    }
+}
 
 fn unnamed<'a>(table: &'a Table, format: Format, path: &Path) -> Result<Vec<Selected<'a>>, RecordingError> {
     let numeric: Vec<&Column> = table.columns.iter().filter(|c| c.is_numeric()).collect();
@@ -37,9 +68,12 @@ fn unnamed<'a>(table: &'a Table, format: Format, path: &Path) -> Result<Vec<Sele
     }
 }
 
-fn find<'a>(table: &'a Table, asked: &str, path: &Path) -> Result<Selected<'a>, RecordingError> {
+fn find<'a>(table: &'a Table, format: Format, asked: &str, path: &Path) -> Result<Selected<'a>, RecordingError> {
     if let Some(column) = named(table, asked, path)? {
         return Ok((column, None));
+    }
+    if let Some(found) = named_channel(table, asked) {
+        return Ok(found);
     }
     let part = indexed(asked).map(|(name, index)| Ok((named(table, name, path)?, index))).transpose()?;
     let (file, found) = (path.to_owned(), names(table));
@@ -49,8 +83,36 @@ fn find<'a>(table: &'a Table, asked: &str, path: &Path) -> Result<Selected<'a>, 
             Err(RecordingError::MissingChannel { file, column: asked.to_owned(), found: column.channels })
         }
         Some((Some(column), _)) => Ok((column, None)),
-        _ => Err(RecordingError::MissingColumn { file, column: asked.to_owned(), found }),
+        _ => without_name(table, format, asked, path)?
+            .map(|column| (column, None))
+            .ok_or_else(|| RecordingError::MissingColumn { file, column: asked.to_owned(), found }),
     }
+}
+
+/// A channel with a name of its own.
+fn named_channel<'a>(table: &'a Table, asked: &str) -> Option<Selected<'a>> {
+    let channel = |column: &'a Column| Some((column, Some(column.channel_names.iter().position(|n| n == asked)?)));
+    table.columns.iter().find_map(channel)
+}
+
+/// A column that is asked for by another spelling of its name; in a text, also by its number from 1.
+fn without_name<'a>(
+    table: &'a Table,
+    format: Format,
+    asked: &str,
+    path: &Path,
+) -> Result<Option<&'a Column>, RecordingError> {
+    let mut columns = table.columns.iter().filter(|column| is_other_spelling(asked, &column.name));
+    match (columns.next(), columns.count()) {
+        (Some(column), 0) => return Ok(Some(column)),
+        (Some(_), others) => {
+            let (file, column) = (path.to_owned(), asked.to_owned());
+            return Err(RecordingError::AmbiguousColumn { file, column, found: others + 1 });
+        }
+        (None, _) => {}
+    }
+    let number = asked.parse::<usize>().ok().filter(|_| format.holds() == Holds::Lines);
+    Ok(number.and_then(|number| table.columns.get(number.checked_sub(1)?)))
 }
 
 /// The only column of a name; none if there is none.

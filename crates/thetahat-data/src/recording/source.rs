@@ -4,14 +4,15 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::csv::{Decimal, Dialect};
+use super::csv::{self, Decimal, Dialect};
 use super::error::RecordingError;
 use super::format::Format;
 use super::layout::{self, Layout};
-use super::reader::table;
-use super::table::RequestedColumns;
+use super::reader::{TableOptions, table};
+use super::select::SelectedColumns;
+use super::table::{Column, RequestedColumns};
 use super::unit::{Dimension, Unit};
-use super::{bag, place, select};
+use super::{bag, place, select, split_time};
 use thetahat_ground::{one_or_each::OneOrEach, series::Series};
 
 /// Where the channels of one signal are, and what they are.
@@ -35,6 +36,9 @@ pub struct ChannelSource {
     /// Names of columns or variables, in the order of the channels. A variable with several columns gives several
     /// channels, and `name[3]` only its third. None means all columns of a table (CSV, Parquet), or the only numeric variable of another
     /// file. Joints of a bag are `elbow.position`, `elbow.velocity`, `elbow.effort`; other signals of its messages `motor_state[3].q`, counted from 0.
+    ///
+    /// A column of a text may also be named by its number, the second of one name by `name#2`, and one with a unit by its name alone. A data
+    /// set of an HDF5 file is `group/name`. A time in two columns is `sec+nanosec`, or both columns with `unit = ["s", "ns"]`.
     #[serde(default)]
     pub columns: Vec<String>,
     /// The unit of the values in the file: one for all channels, or one for each.
@@ -61,7 +65,16 @@ pub struct ChannelSource {
     /// Whether an incomplete last line of a text is left out.
     #[serde(default)]
     pub drop_cut_line: bool,
-    /// Whether a matrix has one row, not one column, for each channel.
+    /// Number of lines of a text above its table, such as titles; none means that they are detected.
+    #[serde(default)]
+    pub skip_lines: Option<u64>,
+    /// Whether the day stands before the month in dates of a text such as `03.05.2024`; none means that the file has to show it.
+    #[serde(default)]
+    pub day_first: Option<bool>,
+    /// Number of the episode that is read of a Parquet file of several episodes; none means the first.
+    #[serde(default)]
+    pub episode: Option<u64>,
+    /// Whether a matrix or a text has one row, not one column, for each channel; of a text with far more cells than lines it is evident.
     #[serde(default)]
     pub channels_in_rows: bool,
     /// Number of channels whose values are interleaved in one column, sample by sample.
@@ -116,6 +129,9 @@ impl ChannelSource {
             decimal: None,
             header: None,
             drop_cut_line: false,
+            skip_lines: None,
+            day_first: None,
+            episode: None,
             channels_in_rows: false,
             interleaved: None,
             channel_column: None,
@@ -253,7 +269,10 @@ impl ChannelSource {
             ("decimal", self.decimal.is_some() && text),
             ("header", self.header.is_some() && text),
             ("drop_cut_line", self.drop_cut_line && text),
-            ("channels_in_rows", self.channels_in_rows && format.is_one_table()),
+            ("skip_lines", self.skip_lines.is_some() && text),
+            ("day_first", self.day_first.is_some() && text),
+            ("episode", self.episode.is_some() && format != Format::Parquet),
+            ("channels_in_rows", self.channels_in_rows && format == Format::Parquet),
             ("channels_in_rows", self.channels_in_rows && format.is_bag()),
             ("interleaved", self.interleaved.is_some() && (format.is_bag() || self.channels_in_rows)),
             ("channel_column", self.channel_column.is_some() && (format.is_bag() || self.channels_in_rows)),
@@ -270,14 +289,23 @@ impl ChannelSource {
         match (self.channel_column.is_some(), self.interleaved) {
             (true, _) => Layout::Long,
             (false, Some(channels)) => Layout::Interleaved { channels },
-            (false, None) if self.channels_in_rows => Layout::Rows,
             (false, None) => Layout::Columns,
         }
     }
 
     /// Whether any samples of the signal can be read without the others.
     pub(super) fn can_be_read_in_pieces(&self) -> bool {
-        self.layout() == Layout::Columns && !self.drop_cut_line && self.delay_s == 0.0
+        let is_split = self.is_split_time() || self.columns.iter().any(|name| name.contains('+'));
+        let is_whole = self.channels_in_rows || self.drop_cut_line || self.episode.is_some() || is_split;
+        self.layout() == Layout::Columns && !is_whole && self.delay_s == 0.0
+    }
+
+    /// Whether two columns are one time: seconds and the nanoseconds beyond them, by their units.
+    fn is_split_time(&self) -> bool {
+        let units = self.unit.given();
+        matches!(units, [long, short] if long.to_si() > short.to_si())
+            && units.iter().all(|unit| unit.dimension() == Dimension::Time)
+            && self.columns.len() == 2
     }
 
     pub(super) fn dialect(&self) -> Dialect {
@@ -286,6 +314,9 @@ impl ChannelSource {
             decimal: self.decimal,
             header: self.header,
             drop_cut_line: self.drop_cut_line,
+            skip_lines: self.skip_lines,
+            channels_in_rows: self.channels_in_rows,
+            day_first: self.day_first,
         }
     }
 
@@ -293,6 +324,11 @@ impl ChannelSource {
     pub(super) fn format(&self, root: &Path) -> Result<Format, RecordingError> {
         let of_path = Format::of(&self.path(root)).ok();
         of_path.map_or_else(|| Format::of(&self.file), Ok)
+    }
+
+    /// The folder that nothing is read outside of; none if the file may be anywhere.
+    pub(super) fn root<'a>(&self, root: &'a Path) -> Option<&'a Path> {
+        (!self.anywhere).then_some(root)
     }
 
     /// The path to read from: inside the folder of the data, unless the file may be anywhere.
@@ -320,24 +356,72 @@ pub fn read_channels(source: &ChannelSource, root: &Path) -> Result<Series, Reco
     source.refuse_repetition()?;
     let format = source.format(root)?;
     source.refuse_useless_settings(format)?;
-    let mut series = read(source, format, &source.place(root)?)?;
+    let mut series = read(source, format, source.root(root), &source.place(root)?)?;
     let factors = source.factors(series.channels())?;
+    if source.is_split_time() {
+        subtract_first(&mut series);
+    }
     for sample in series.values_mut().chunks_exact_mut(factors.len()) {
         sample.iter_mut().zip(&factors).for_each(|(value, factor)| *value *= factor);
     }
-    Ok(series)
+    Ok(if source.is_split_time() { sums(&series) } else { series })
+}
+
+/// Subtracts the first sample of each channel, before large times would be rounded.
+fn subtract_first(series: &mut Series) {
+    let first = if !series.is_empty() { series.sample(0).to_vec() } else { Vec::new() };
+    for sample in series.values_mut().chunks_exact_mut(first.len().max(1)) {
+        sample.iter_mut().zip(&first).for_each(|(value, first)| *value -= first);
+    }
+}
+
+/// The sum of the channels of each sample.
+fn sums(series: &Series) -> Series {
+    Series::shaped(1, (0..series.len()).map(|k| series.sample(k).iter().sum()).collect())
 }
 
 /// The channels in the units of the file.
-fn read(source: &ChannelSource, format: Format, path: &Path) -> Result<Series, RecordingError> {
+fn read(source: &ChannelSource, format: Format, root: Option<&Path>, path: &Path) -> Result<Series, RecordingError> {
     if format.is_bag() {
         return bag::channels(path, format, source.topic.as_deref(), &source.columns);
     }
     let mut columns = source.columns.clone();
     columns.extend(source.channel_column.clone());
     let wanted = if columns.is_empty() { RequestedColumns::All } else { RequestedColumns::Named(&columns) };
-    let table = table(path, format, &source.dialect(), wanted)?;
-    layout::laid_out(source.layout(), select::series(&table, format, &columns, path)?, path)
+    let options = TableOptions { dialect: source.dialect(), episode: source.episode, root };
+    let mut table = table(path, format, &options, wanted)?;
+    if source.channels_in_rows {
+        table.columns.iter_mut().for_each(Column::transpose);
+    }
+    split_time::add_requested(&mut table, &columns);
+    let columns = select::columns(&table, format, &columns, path)?;
+    require_units_of_file(source, &columns, path)?;
+    layout::laid_out(source.layout(), columns.series(path)?, path)
+}
+
+/// Dates and times of day are in seconds. A unit that the file gives to a column, and that was left out of its name, is the one that is
+/// stated, unless a gain converts the values.
+pub(super) fn require_units_of_file(
+    source: &ChannelSource,
+    columns: &SelectedColumns<'_>,
+    path: &Path,
+) -> Result<(), RecordingError> {
+    let stated = |channel: usize| match &source.unit {
+        OneOrEach::One(unit) => Some(*unit),
+        OneOrEach::Each(units) => units.get(channel).copied(),
+    };
+    for (place, (channel, column)) in columns.with_channels().enumerate() {
+        let Some(found) = stated(channel) else { continue };
+        let (file, name) = (path.to_owned(), column.name.clone());
+        if column.in_seconds && found != Unit::Second {
+            return Err(RecordingError::UnitOfStamps { file, column: name, found });
+        }
+        let left_out = source.columns.get(place).and_then(|asked| csv::unit_left_out(asked, &column.name));
+        if let Some(expected) = left_out.filter(|unit| *unit != found && source.gain.is_none()) {
+            return Err(RecordingError::OtherUnit { file, column: name, expected, found });
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -361,6 +445,9 @@ mod tests {
             decimal: None,
             header: None,
             drop_cut_line: false,
+            skip_lines: None,
+            day_first: None,
+            episode: None,
             channels_in_rows: false,
             interleaved: None,
             channel_column: None,

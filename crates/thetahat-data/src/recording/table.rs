@@ -24,6 +24,10 @@ pub(super) struct Column {
     pub(super) flaw: Option<Flaw>,
     /// Whether the channels are the rows of a matrix, which was transposed.
     pub(super) in_rows: bool,
+    /// Whether the values are seconds, read from dates or times of day.
+    pub(super) in_seconds: bool,
+    /// Names of the channels; none if they are numbered only.
+    pub(super) channel_names: Vec<String>,
 }
 
 /// Why a column cannot be read.
@@ -33,6 +37,10 @@ pub(super) enum Flaw {
     Text { line: u64, found: String },
     /// The first cell that is NaN, infinite or implausibly large, if the file has lines.
     NotFinite { line: u64, found: f64 },
+    /// The first of several dates whose order of day and month is not evident.
+    UnclearDate { line: u64, found: String },
+    /// The first row whose joints are in another order, and a joint where another one was before.
+    JointOrder { line: u64, expected: String, found: String },
     /// The whole column is not numeric: a phrase such as `text` or `a cell array`. It has no values.
     Kind(String),
 }
@@ -40,12 +48,13 @@ pub(super) enum Flaw {
 impl Column {
     /// A column of numbers: `channels` times the same number of values.
     pub(super) fn of_numbers(name: String, channels: usize, values: Vec<f64>) -> Self {
-        Self { name, channels, values, flaw: None, in_rows: false }
+        let channel_names = Vec::new();
+        Self { name, channels, values, flaw: None, in_rows: false, in_seconds: false, channel_names }
     }
 
     /// A column without numbers that can be read.
     pub(super) fn of_kind(name: String, kind: impl Into<String>) -> Self {
-        Self { name, channels: 0, values: Vec::new(), flaw: Some(Flaw::Kind(kind.into())), in_rows: false }
+        Self { flaw: Some(Flaw::Kind(kind.into())), ..Self::of_numbers(name, 0, Vec::new()) }
     }
 
     /// Number of samples of each channel.
@@ -63,6 +72,18 @@ impl Column {
         self.values.get(channel * samples..(channel + 1) * samples).unwrap_or_default()
     }
 
+    /// Makes the rows of a matrix its channels.
+    pub(super) fn transpose(&mut self) {
+        let (samples, channels) = (self.samples(), self.channels);
+        if channels <= 1 {
+            return;
+        }
+        let values = &self.values;
+        self.values = (0..samples).flat_map(|row| (0..channels).map(move |c| values[c * samples + row])).collect();
+        self.channels = samples;
+        self.in_rows = true;
+    }
+
     /// Refuses a flawed column, or one without samples.
     pub(super) fn require_sound(&self, file: &Path) -> Result<(), RecordingError> {
         let (file, column) = (file.to_owned(), self.name.clone());
@@ -71,6 +92,10 @@ impl Column {
             None => Ok(()),
             Some(Flaw::Text { line, found }) => Err(RecordingError::NotANumber { file, line, column, found }),
             Some(Flaw::NotFinite { line, found }) => Err(RecordingError::NotFinite { file, line, column, found }),
+            Some(Flaw::UnclearDate { line, found }) => Err(RecordingError::UnclearDate { file, line, column, found }),
+            Some(Flaw::JointOrder { line, expected, found }) => {
+                Err(RecordingError::JointOrder { file, line, column, expected, found })
+            }
             Some(Flaw::Kind(found)) => Err(RecordingError::NotNumeric { file, column, found }),
         }
     }
@@ -92,15 +117,41 @@ pub(super) enum RequestedColumns<'a> {
 }
 
 impl RequestedColumns<'_> {
-    /// Whether a column is requested: by its name, or one column of it as `name[3]`.
+    /// Whether a column is requested: by its name with or without its unit, one column of it as `name[3]`, or as a part of a time.
     pub(super) fn includes(self, name: &str) -> bool {
+        let is_asked = |asked: &str| {
+            asked == name || indexed(asked).is_some_and(|(n, _)| n == name) || is_other_spelling(asked, name)
+        };
+        self.any(|asked| is_asked(asked) || parts_of_time(asked).any(|(a, b)| is_asked(a) || is_asked(b)))
+    }
+
+    /// Whether a column is requested by its number, from 1.
+    pub(super) fn includes_number(self, number: usize) -> bool {
+        let is_asked = |asked: &str| asked.parse() == Ok(number);
+        self.any(|asked| is_asked(asked) || parts_of_time(asked).any(|(a, b)| is_asked(a) || is_asked(b)))
+    }
+
+    fn any(self, is_asked: impl Fn(&str) -> bool) -> bool {
         match self {
             Self::All => true,
-            Self::Named(asked) => {
-                asked.iter().any(|asked| asked == name || indexed(asked).is_some_and(|(n, _)| n == name))
-            }
+            Self::Named(asked) => asked.iter().any(|asked| is_asked(asked)),
         }
     }
+}
+
+/// Whether a name is meant that is asked for without its unit, or with the sign of a comment before it: `q` or `%q` of `q [deg]`.
+pub(super) fn is_other_spelling(asked: &str, name: &str) -> bool {
+    let plain = asked.trim_start_matches(['%', '#']).trim_start();
+    if plain.len() < asked.len() && plain == name {
+        return true;
+    }
+    !asked.is_empty() && name.strip_prefix(asked).is_some_and(|unit| unit.starts_with(" [") && unit.ends_with(']'))
+}
+
+/// The parts of `sec+nanosec`, for each sign.
+pub(super) fn parts_of_time(asked: &str) -> impl Iterator<Item = (&str, &str)> {
+    let parts = asked.match_indices('+').map(|(place, _)| (&asked[..place], &asked[place + 1..]));
+    parts.filter(|(seconds, rest)| !seconds.is_empty() && !rest.is_empty())
 }
 
 /// The parts of `name[3]`.

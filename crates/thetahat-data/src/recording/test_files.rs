@@ -29,6 +29,7 @@ const CLASS_STRUCTURE: u32 = 2;
 const CLASS_CHAR: u32 = 4;
 const CLASS_DOUBLE: u32 = 6;
 const CLASS_INT32: u32 = 12;
+const CLASS_OPAQUE: u32 = 17;
 const COMPLEX_FLAG: u32 = 0x0800;
 
 /// The bytes of a MAT file of version 5, little endian, not compressed.
@@ -78,6 +79,14 @@ impl MatBytes {
         };
         let values = [small_part(INT32, 8), part(INT8, &names), fields.iter().flat_map(column).collect()].concat();
         self.variable(CLASS_STRUCTURE, name, &[1, 1], &values)
+    }
+
+    /// Adds an object of a class: only its name, the kind of system and its class are as MATLAB writes them.
+    pub(super) fn with_object(mut self, name: &str, class: &str) -> Self {
+        let flags = part(UINT32, &words(&[CLASS_OPAQUE, 0]));
+        let parts = [flags, part(INT8, name.as_bytes()), part(INT8, b"MCOS"), part(INT8, class.as_bytes())];
+        self.0.extend(part(MATRIX, &parts.concat()));
+        self
     }
 
     /// Adds a real matrix of doubles, compressed.

@@ -13,9 +13,12 @@ use super::super::error::RecordingError;
 use super::super::place::{open, unreadable};
 use super::super::table::{Column, RequestedColumns, Table, is_plausible};
 use super::dialect::Dialect;
+use super::encoding::is_utf_16;
 use super::number::Numbers;
-use super::read::{flaw, read_with_dialect};
-use super::text::Text;
+use super::read::read_columns;
+use super::text::without_mark;
+use super::transposed::{is_evident, is_wide};
+use super::values::flaw;
 use thetahat_ground::files::{self, File};
 
 /// Number of rows between two stored positions.
@@ -29,6 +32,8 @@ pub(in super::super) struct TextPieces {
     delimiter: u8,
     numbers: Numbers,
     names: Vec<String>,
+    /// The first line of the table.
+    first_line: u64,
     marks: Vec<Mark>,
     rows: usize,
     end: u64,
@@ -57,23 +62,30 @@ impl TextPieces {
             let Some(last) = memchr::memrchr(b'\n', &beginning) else { return Ok(None) };
             beginning.truncate(last + 1);
         }
-        let text = match Text::of(&beginning, path) {
-            Err(RecordingError::EmptyFile { .. }) if beginning.len() + 1 >= BUFFER => return Ok(None),
-            text => text?,
-        };
-        let (table, found) = read_with_dialect(&beginning, path, dialect, wanted)?;
-        let (Some(delimiter), Some(header)) = (found.delimiter.and_then(|d| u8::try_from(d).ok()), found.header) else {
-            return Ok(None);
-        };
-        if found.decimal.is_none() {
+        if is_utf_16(&beginning) {
             return Ok(None);
         }
-        let (byte, line) = text.start(&beginning);
-        let names = table.columns.into_iter().map(|c| c.name).collect();
-        let numbers = Numbers::new(found.decimal, delimiter);
-        let scan = Scan { delimiter, header, marks: Vec::new(), rows: 0, line, line_start: byte, content: false };
-        let Some((marks, rows, end)) = scan.run(file, path)? else { return Ok(None) };
-        Ok(Some(Self { path: path.to_owned(), delimiter, numbers, names, marks, rows, end }))
+        let text = without_mark(&beginning);
+        if is_evident(text, path, dialect) {
+            return Ok(None);
+        }
+        let detected = match dialect.detect(text, path) {
+            Err(RecordingError::EmptyFile { .. }) if beginning.len() + 1 >= BUFFER => return Ok(None),
+            detected => detected?,
+        };
+        let (columns, numbers, _) = read_columns(text, path, dialect, &detected, wanted)?;
+        let needs_all = |column: &Column| column.in_seconds || !column.channel_names.is_empty();
+        if numbers.decimal().is_none() || columns.iter().any(needs_all) {
+            return Ok(None);
+        }
+        let (delimiter, first_line, line) = (detected.delimiter, detected.first_line, detected.line);
+        let names: Vec<String> = columns.into_iter().map(|c| c.name).collect();
+        let byte = (beginning.len() - text.len() + detected.start) as u64;
+        let scan = Scan { delimiter, marks: Vec::new(), rows: 0, line, line_start: byte, content: false };
+        let Some((marks, rows, end)) = scan.run(file, path)?.filter(|(_, rows, _)| !is_wide(names.len(), *rows)) else {
+            return Ok(None);
+        };
+        Ok(Some(Self { path: path.to_owned(), delimiter, numbers, names, first_line, marks, rows, end }))
     }
 
     pub(in super::super) fn rows(&self) -> usize {
@@ -91,7 +103,8 @@ impl TextPieces {
         let bytes = self.bytes(mark.byte..end)?;
         let mut columns: Vec<Column> =
             self.names.iter().map(|name| Column::of_numbers(name.clone(), 1, Vec::new())).collect();
-        let read: Vec<bool> = self.names.iter().map(|name| wanted.includes(name)).collect();
+        let is_read = |(name, number): (&String, usize)| wanted.includes(name) || wanted.includes_number(number);
+        let read: Vec<bool> = self.names.iter().zip(1..).map(is_read).collect();
         let reserve = columns.iter_mut().zip(&read).filter(|(_, read)| **read);
         reserve.for_each(|(column, _)| column.values.reserve_exact(range.len()));
         let mut numbers = self.numbers;
@@ -127,7 +140,9 @@ impl TextPieces {
         columns: &mut [Column],
     ) -> Result<(), RecordingError> {
         let mut found = 0;
+        let mut last: &[u8] = &[];
         for cell in cells(line, self.delimiter) {
+            last = cell;
             if read.get(found) == Some(&true) {
                 let (value, column) = (numbers.read(cell), &mut columns[found]);
                 column.values.push(value.unwrap_or(f64::NAN));
@@ -137,11 +152,12 @@ impl TextPieces {
             }
             found += 1;
         }
-        if found == columns.len() {
+        let is_longer_by_nothing = found == columns.len() + 1 && last.trim_ascii().is_empty();
+        if found == columns.len() || is_longer_by_nothing {
             return Ok(());
         }
-        let (expected, delimiter) = (columns.len(), self.delimiter.into());
-        Err(RecordingError::RowLength { file: self.path.clone(), line: number, expected, found, delimiter })
+        let (expected, delimiter, first_line) = (columns.len(), self.delimiter.into(), self.first_line);
+        Err(RecordingError::RowLength { file: self.path.clone(), line: number, first_line, expected, found, delimiter })
     }
 }
 
@@ -188,8 +204,6 @@ impl<'a> Iterator for Lines<'a> {
 /// The first pass.
 struct Scan {
     delimiter: u8,
-    /// Whether the next line holds the names.
-    header: bool,
     marks: Vec<Mark>,
     rows: usize,
     line: u64,
@@ -210,7 +224,7 @@ impl Scan {
             buffer.clear();
             let read = Read::by_ref(&mut file).take(BUFFER as u64).read_to_end(&mut buffer).map_err(refuse)?;
             let splits_ends = ends_with_return && buffer.first() != Some(&b'\n');
-            if splits_ends || memchr(b'"', &buffer).is_some() || has_single_returns(&buffer) {
+            if splits_ends || memchr(b'"', &buffer).is_some() || has_single_returns(&buffer) || has_comments(&buffer) {
                 return Ok(None);
             }
             if read == 0 {
@@ -237,9 +251,7 @@ impl Scan {
     }
 
     fn end_of_line(&mut self, next: u64) {
-        if self.content && self.header {
-            self.header = false;
-        } else if self.content {
+        if self.content {
             if self.rows.is_multiple_of(ROWS_PER_MARK) {
                 self.marks.push(Mark { byte: self.line_start, line: self.line });
             }
@@ -249,6 +261,11 @@ impl Scan {
         self.line += 1;
         self.line_start = next;
     }
+}
+
+/// Whether a line begins with the sign of a comment. A line that begins with the buffer is not examined: its row then has another length.
+fn has_comments(buffer: &[u8]) -> bool {
+    memchr_iter(b'\n', buffer).any(|end| matches!(buffer.get(end + 1), Some(b'#' | b'%')))
 }
 
 /// Whether a carriage return stands alone, before the last byte.

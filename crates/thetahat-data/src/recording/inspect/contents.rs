@@ -9,8 +9,9 @@ use super::super::csv::{self, Dialect};
 use super::super::error::RecordingError;
 use super::super::format::{Format, Holds};
 use super::super::place::file_bytes;
-use super::super::reader;
+use super::super::reader::{self, TableOptions};
 use super::super::source::ChannelSource;
+use super::super::split_time;
 use super::super::table::{Column, Flaw, RequestedColumns, Table};
 use super::channel::ChannelSummary;
 use super::time::{TimeSummary, is_named, times};
@@ -29,6 +30,9 @@ pub struct Contents {
     pub tables: Vec<TableSummary>,
     /// Topics of a bag that are not read.
     pub other_topics: Vec<OtherTopic>,
+    /// What a user should know of the file, in sentences: lines above the table, the episode that is read.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
 }
 
 /// Columns of equal length.
@@ -76,14 +80,22 @@ pub fn inspect(path: &Path) -> Result<Contents, RecordingError> {
 /// As [`inspect`].
 pub fn inspect_with_time(path: &Path, time: Option<&str>) -> Result<Contents, RecordingError> {
     let format = Format::of(path)?;
-    let (tables, dialect, other_topics) = tables(path, format)?;
+    let read = FileTables::read(path, format)?;
     Ok(Contents {
         file: path.to_owned(),
         format,
-        dialect,
-        tables: tables.iter().map(|table| summary(table, format, time)).collect(),
-        other_topics,
+        dialect: read.dialect,
+        tables: read.tables.iter().map(|table| summary(table, format, time)).collect(),
+        other_topics: read.other_topics,
+        notes: read.notes,
     })
+}
+
+fn skipped_lines(count: u64) -> String {
+    match count {
+        1 => "Line 1 is not part of the table.".to_owned(),
+        _ => format!("Lines 1 to {count} are not part of the table."),
+    }
 }
 
 /// Largest file that is searched for times without being asked.
@@ -108,33 +120,50 @@ pub fn contradicting_times(source: &ChannelSource, root: &Path, stated_hz: f64) 
             return None;
         }
     }
-    let (tables, _, _) = tables(&path, format).ok()?;
+    let tables = FileTables::read(&path, format).ok()?.tables;
     let in_table = |table: &Table| times(&table.columns, format.is_bag(), None);
     let named = tables.iter().flat_map(in_table).find(|time| time.is_named)?;
     ((named.rate_hz / stated_hz - 1.0).abs() > RATE_TOLERANCE).then_some((named.column, named.rate_hz))
 }
 
-type Tables = (Vec<Table>, Option<Dialect>, Vec<OtherTopic>);
+/// The tables of a file, and what else is known of it.
+struct FileTables {
+    tables: Vec<Table>,
+    dialect: Option<Dialect>,
+    other_topics: Vec<OtherTopic>,
+    notes: Vec<String>,
+}
 
-fn tables(path: &Path, format: Format) -> Result<Tables, RecordingError> {
-    let (tables, dialect, other_topics) = match format.holds() {
-        Holds::Lines => {
-            let bytes = file_bytes(path)?;
-            let tolerant = Dialect { drop_cut_line: true, ..Dialect::default() };
-            let (table, dialect) = csv::read_with_dialect(&bytes, path, &tolerant, RequestedColumns::All)?;
-            (vec![table], Some(dialect), Vec::new())
+impl FileTables {
+    fn read(path: &Path, format: Format) -> Result<Self, RecordingError> {
+        match format.holds() {
+            Holds::Lines => Self::of_lines(path),
+            Holds::Topics => {
+                let (tables, other_topics) = bag::tables(path, format)?;
+                Ok(Self { tables, dialect: None, other_topics, notes: Vec::new() })
+            }
+            Holds::Arrays => Self::of_arrays(path, format),
         }
-        Holds::Topics => {
-            let (tables, other_topics) = bag::tables(path, format)?;
-            (tables, None, other_topics)
-        }
-        Holds::Arrays => {
-            let mut table = reader::table(path, format, &Dialect::default(), RequestedColumns::All)?;
-            table.columns.iter_mut().for_each(set_upright);
-            (by_samples(table), None, Vec::new())
-        }
-    };
-    Ok((tables, dialect, other_topics))
+    }
+
+    fn of_lines(path: &Path) -> Result<Self, RecordingError> {
+        let bytes = file_bytes(path)?;
+        let tolerant = Dialect { drop_cut_line: true, ..Dialect::default() };
+        let (mut table, dialect) = csv::read_with_dialect(&bytes, path, &tolerant, RequestedColumns::All)?;
+        split_time::add_evident(&mut table);
+        table.columns = table.columns.into_iter().flat_map(by_channel_names).collect();
+        let notes = dialect.skip_lines.map(skipped_lines).into_iter().collect();
+        Ok(Self { tables: vec![table], dialect: Some(dialect), other_topics: Vec::new(), notes })
+    }
+
+    fn of_arrays(path: &Path, format: Format) -> Result<Self, RecordingError> {
+        let options = TableOptions::default();
+        let (mut table, notes) = reader::table_with_notes(path, format, &options, RequestedColumns::All)?;
+        table.columns.iter_mut().for_each(set_upright);
+        table.columns = table.columns.into_iter().flat_map(by_channel_names).collect();
+        split_time::add_evident(&mut table);
+        Ok(Self { tables: by_samples(table), dialect: None, other_topics: Vec::new(), notes })
+    }
 }
 
 /// Number of columns beyond which a matrix with far fewer rows has its channels in the rows.
@@ -144,14 +173,21 @@ const WIDER: usize = 4;
 
 /// Transposes a matrix that has its channels in rows.
 fn set_upright(column: &mut Column) {
-    let (samples, channels) = (column.samples(), column.channels);
-    if channels <= WIDE || channels < WIDER * samples {
-        return;
+    if column.channels > WIDE && column.channels >= WIDER * column.samples() {
+        column.transpose();
     }
-    let values = &column.values;
-    column.values = (0..samples).flat_map(|row| (0..channels).map(move |c| values[c * samples + row])).collect();
-    column.channels = samples;
-    column.in_rows = true;
+}
+
+/// A column of each named channel; an unnamed column as it is.
+fn by_channel_names(column: Column) -> Vec<Column> {
+    if column.channel_names.is_empty() || column.channel_names.len() != column.channels {
+        return vec![column];
+    }
+    let of_channel = |(name, channel): (&String, usize)| Column {
+        flaw: column.flaw.clone(),
+        ..Column::of_numbers(name.clone(), 1, column.channel(channel).to_vec())
+    };
+    column.channel_names.iter().zip(0..).map(of_channel).collect()
 }
 
 /// Groups variables of equal length.
@@ -184,6 +220,10 @@ fn column_summary(column: &Column) -> ColumnSummary {
     let not_numeric = match &column.flaw {
         Some(Flaw::Kind(kind)) => Some(kind.clone()),
         Some(Flaw::Text { line, found }) => Some(format!("text, such as {found:?} in line {line}")),
+        Some(Flaw::UnclearDate { line, found }) => Some(format!(
+            "dates that may begin with the day or the month, such as {found:?} in line {line}: set day_first"
+        )),
+        Some(Flaw::JointOrder { line, .. }) => Some(format!("values of another joint from line {line} on")),
         Some(Flaw::NotFinite { .. }) | None => None,
     };
     ColumnSummary {

@@ -12,6 +12,7 @@ const GAP: f64 = 1.5;
 const EVEN: f64 = 0.05;
 /// Sample rates of recordings in Hz, for guessing the unit of a time.
 const RATES: std::ops::Range<f64> = 10.0..20_000.0;
+const SECONDS_PER_DAY: f64 = 86_400.0;
 /// Units of time, in the order in which they are tried.
 const UNITS: [Unit; 4] = [Unit::Second, Unit::Millisecond, Unit::Microsecond, Unit::Nanosecond];
 
@@ -53,7 +54,8 @@ pub struct Gap {
 /// `FILE:NAME`.
 pub(super) fn times(columns: &[Column], in_seconds: bool, asked: Option<&str>) -> Vec<TimeSummary> {
     let is_asked = |c: &Column| asked.is_some_and(|asked| asked == c.name || asked.ends_with(&format!(":{}", c.name)));
-    let rank = |c: &Column| if is_asked(c) { 0 } else { 2 - usize::from(is_named(&c.name)) };
+    let is_named = |c: &Column| c.in_seconds || is_named(&c.name);
+    let rank = |c: &Column| if is_asked(c) { 0 } else { 2 - usize::from(is_named(c)) };
     let mut summaries: Vec<(usize, TimeSummary)> =
         columns.iter().filter_map(|c| Some((rank(c), time(c, in_seconds, rank(c) < 2)?))).collect();
     summaries.sort_by_key(|(rank, _)| *rank);
@@ -83,6 +85,10 @@ fn time(column: &Column, in_seconds: bool, is_named: bool) -> Option<TimeSummary
     if column.channels != 1 || column.samples() < 3 || column.values.iter().any(|value| !value.is_finite()) {
         return None;
     }
+    // Dates whose times of day are in another column.
+    if column.in_seconds && column.values.iter().all(|value| value % SECONDS_PER_DAY == 0.0) {
+        return None;
+    }
     let steps: Vec<f64> = column.values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let coarse = CoarseTimes::of(&column.values);
     let step = coarse.map_or_else(|| period(&steps), |coarse| Some(coarse.step))?;
@@ -92,7 +98,8 @@ fn time(column: &Column, in_seconds: bool, is_named: bool) -> Option<TimeSummary
     if !is_named && !is_even {
         return None;
     }
-    let unit = if in_seconds && is_of_message(&column.name) { Unit::Second } else { unit(&column.name, step) };
+    let is_in_seconds = (in_seconds && is_of_message(&column.name)) || column.in_seconds;
+    let unit = if is_in_seconds { Unit::Second } else { unit(&column.name, step) };
     Some(TimeSummary {
         column: column.name.clone(),
         is_named,

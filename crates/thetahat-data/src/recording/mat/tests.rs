@@ -2,7 +2,7 @@ use std::path::Path;
 
 use super::super::table::RequestedColumns;
 use super::super::test_files::MatBytes;
-use super::super::{Format, RecordingError, select};
+use super::super::{Format, RecordingError, select, written_elsewhere};
 use super::*;
 use thetahat_ground::series::Series;
 
@@ -157,6 +157,43 @@ fn kinds_that_are_not_read_say_what_they_are_and_do_not_hide_the_others() {
     assert!(is_of_kind(file.bytes(), "q", "an array of 3 dimensions"));
 }
 
+/// As MATLAB writes a table: no numbers, and what it consists of in a variable without a name.
+#[test]
+fn a_table_names_the_commands_that_make_numbers_of_it() {
+    let file = valid().with_object("T", "table").with("", &[1, 2], &[1.0, 2.0]);
+    assert_eq!(loaded(file.bytes(), &["t"]).unwrap().len(), 3);
+    let text = failure(file.bytes(), &["T"]).to_string();
+    assert!(text.contains("table2struct(T, 'ToScalar', true)"), "{text}");
+    let text =
+        failure(valid().with_object("logsout", "Simulink.SimulationData.Dataset").bytes(), &["logsout"]).to_string();
+    assert!(text.contains("logsout.get(1).Values"), "{text}");
+    assert!(
+        matches!(failure(file.bytes(), &[]), RecordingError::NoColumnListed { found, .. } if !found.contains(&String::new()))
+    );
+}
+
+#[test]
+fn cell_arrays_of_vectors_have_a_channel_for_each_cell() {
+    let bytes = written_elsewhere::bytes(written_elsewhere::CELLS);
+    assert_eq!(loaded(&bytes, &["q", "t"]).unwrap().values(), [1.0, 4.0, 0.0, 2.0, 5.0, 1.0, 3.0, 6.0, 2.0]);
+    assert_eq!(loaded(&bytes, &["q[2]"]).unwrap().values(), [4.0, 5.0, 6.0]);
+    let text = failure(&bytes, &["bad"]).to_string();
+    assert!(text.contains("cell2mat"), "{text}");
+}
+
+#[test]
+fn damaged_cell_arrays_never_panic() {
+    let whole = written_elsewhere::bytes(written_elsewhere::CELLS);
+    for place in 128..whole.len() {
+        let _ = read(whole[..place].to_vec(), Path::new(FILE), RequestedColumns::All);
+        for damage in [0x00, 0x01, 0x0e, 0x7f, 0xff] {
+            let mut bytes = whole.clone();
+            bytes[place] = damage;
+            let _ = read(bytes, Path::new(FILE), RequestedColumns::All);
+        }
+    }
+}
+
 #[cfg(feature = "hdf5")]
 mod version_7_3 {
     use hdf5_pure::{AttrValue, FileBuilder};
@@ -201,6 +238,21 @@ mod version_7_3 {
     }
 
     #[test]
+    fn cell_arrays_and_tables() {
+        let bytes = written_elsewhere::bytes(written_elsewhere::CELLS_7_3);
+        assert_eq!(loaded(&bytes, &["q[2]", "q[1]"]).unwrap().values(), [4.0, 1.0, 5.0, 2.0, 6.0, 3.0]);
+        let text = failure(&bytes, &["T"]).to_string();
+        assert!(text.contains("table2struct"), "{text}");
+        for place in (0..bytes.len()).filter(|&place| bytes[place] != 0) {
+            for damage in [0x00, 0x01, 0xff] {
+                let mut bytes = bytes.clone();
+                bytes[place] = damage;
+                let _ = read_v73(bytes, Path::new(FILE), RequestedColumns::All);
+            }
+        }
+    }
+
+    #[test]
     fn file_cut_short() {
         let whole = valid();
         for length in 8..whole.len() {
@@ -217,6 +269,43 @@ mod version_7_3 {
                 let mut bytes = whole.clone();
                 bytes[place] = damage;
                 let _ = read_v73(bytes, Path::new(FILE), RequestedColumns::All);
+            }
+        }
+    }
+}
+
+#[cfg(feature = "hdf5")]
+mod plain_hdf5 {
+    use super::*;
+
+    fn h5(bytes: &[u8], names: &[&str]) -> Result<Series, RecordingError> {
+        let (path, names) = (Path::new("q.h5"), names.iter().map(|&n| n.to_owned()).collect::<Vec<_>>());
+        let table = read_hdf5(bytes.to_vec(), path, RequestedColumns::Named(&names))?;
+        select::series(&table, Format::Hdf5, &names, path)
+    }
+
+    #[test]
+    fn data_sets_in_groups_have_a_sample_in_each_row() {
+        let bytes = written_elsewhere::bytes(written_elsewhere::HDF5);
+        assert_eq!(h5(&bytes, &["arm/q"]).unwrap().values(), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        assert_eq!(h5(&bytes, &["arm/tau[2]", "t"]).unwrap().values(), [2.0, 0.0, 4.0, 0.1, 6.0, 0.2]);
+        let found = h5(&bytes, &["q"]).unwrap_err();
+        assert!(matches!(found, RecordingError::MissingColumn { found, .. } if found.contains(&"arm/q".to_owned())));
+        let records = h5(&bytes, &["rec"]).unwrap_err();
+        assert!(matches!(records, RecordingError::NotNumeric { found, .. } if found.contains("compound")));
+    }
+
+    #[test]
+    fn damaged_files_never_panic() {
+        let whole = written_elsewhere::bytes(written_elsewhere::HDF5);
+        for length in (0..whole.len()).step_by(13) {
+            assert!(matches!(h5(&whole[..length], &["t"]), Err(RecordingError::Damaged { .. })), "{length}");
+        }
+        for place in (0..whole.len()).filter(|&place| whole[place] != 0) {
+            for damage in [0x00, 0x01, 0xff] {
+                let mut bytes = whole.clone();
+                bytes[place] = damage;
+                let _ = read_hdf5(bytes, Path::new("q.h5"), RequestedColumns::All);
             }
         }
     }

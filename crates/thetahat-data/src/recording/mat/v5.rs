@@ -9,6 +9,7 @@ use super::super::budget::Budget;
 use super::super::error::RecordingError;
 use super::super::table::{Column, RequestedColumns};
 use super::elements::{ByteOrder, COMPRESSED, Element, MATRIX, elements};
+use super::kinds::{MOST_CELLS, NOT_VECTORS, kind_of_object, of_cells};
 use super::shape::samples_and_channels;
 
 /// Length of the header, after which the variables follow.
@@ -82,9 +83,22 @@ impl Reader<'_> {
             return Ok(());
         }
         let elements = elements(inside, self.order).map_err(|_| None)?;
+        if let Some((name, class)) = object(&elements, self.order) {
+            self.columns.push(Column::of_kind(field.unwrap_or(name), kind_of_object(&class)));
+            return Ok(());
+        }
         let matrix = Matrix::of(&elements, self.order).ok_or(None)?;
+        // The content of objects follows the variables, without a name.
+        if field.is_none() && matrix.name.is_empty() {
+            return Ok(());
+        }
         let name = field.unwrap_or_else(|| matrix.name.clone());
         match matrix.class {
+            CELL => {
+                let column = self.cell(name, &matrix, &elements[3..])?;
+                self.columns.push(column);
+                Ok(())
+            }
             STRUCTURE if depth < DEEPEST_STRUCTURE && matrix.shape.iter().all(|&n| n == 1) => {
                 self.add_fields(&name, &elements[3..], depth + 1)
             }
@@ -108,6 +122,30 @@ impl Reader<'_> {
             self.add(Some(format!("{name}.{}", text(field_name))), field.data, depth)?;
         }
         Ok(())
+    }
+
+    /// A cell array of vectors of one length: a channel for each cell.
+    fn cell(&mut self, name: String, matrix: &Matrix, cells: &[Element]) -> Result<Column, Problem> {
+        let count = matrix.shape.iter().try_fold(1_usize, |product, side| product.checked_mul(*side));
+        if count != Some(cells.len()) {
+            return Err(None);
+        }
+        if !(1..=MOST_CELLS).contains(&cells.len()) {
+            return Ok(Column::of_kind(name, NOT_VECTORS));
+        }
+        if !self.wanted.includes(&name) {
+            return Ok(Column::of_numbers(name, 0, Vec::new()));
+        }
+        let mut vectors = Vec::new();
+        for cell in cells {
+            let inside = elements(cell.data, self.order).map_err(|_| None)?;
+            let Some(matrix) = Matrix::of(&inside, self.order).filter(Matrix::is_vector) else {
+                return Ok(Column::of_kind(name, NOT_VECTORS));
+            };
+            let column = self.column(name.clone(), &matrix)?;
+            vectors.push(column.values);
+        }
+        Ok(of_cells(name, vectors))
     }
 
     fn column(&mut self, name: String, matrix: &Matrix) -> Result<Column, Problem> {
@@ -134,7 +172,17 @@ impl Reader<'_> {
     }
 }
 
+const CELL: u8 = 1;
 const STRUCTURE: u8 = 2;
+/// An object of a class, whose elements are flags, its name, the kind of system and the name of the class.
+const OPAQUE: u8 = 17;
+
+/// The name and class of a variable that is an object.
+fn object(elements: &[Element], order: ByteOrder) -> Option<(String, String)> {
+    let [flags, name, _, class, ..] = elements else { return None };
+    let [kind, ..] = order.word(flags.data, 0)?.to_le_bytes();
+    (kind == OPAQUE).then(|| (text(name.data), text(class.data)))
+}
 
 /// A variable: flags, size and name, then its numbers or other content.
 struct Matrix<'a> {
@@ -155,10 +203,14 @@ impl<'a> Matrix<'a> {
         Some(Self { class, complex: kinds & 0x08 != 0, shape, name: text(name.data), data: rest.first() })
     }
 
+    fn is_vector(&self) -> bool {
+        self.kind_not_read().is_none() && matches!(self.shape[..], [1, _] | [_, 1])
+    }
+
     /// The kind of the variable, if it is not an array of real numbers.
     fn kind_not_read(&self) -> Option<&'static str> {
         match self.class {
-            1 => Some("a cell array"),
+            CELL => Some(NOT_VECTORS),
             STRUCTURE => Some("an array of structures"),
             4 => Some("text"),
             5 => Some("a sparse matrix"),

@@ -177,13 +177,16 @@ impl Read for Header {
 /// The pages of a column: a dictionary must not be larger than the column, and must come before it is used.
 pub(super) struct Pages {
     pub(super) pages: SerializedPageReader<Guarded>,
-    /// Most values of a dictionary.
+    /// Most values of a page or a dictionary.
     pub(super) limit: usize,
     pub(super) has_dictionary: bool,
 }
 
 impl Pages {
     fn check(&mut self, page: &Page) -> Result<()> {
+        if page.num_values() as usize > self.limit {
+            return Err(wrong("a page has more values than its column"));
+        }
         if let Page::DictionaryPage { num_values, .. } = page {
             if *num_values as usize > self.limit {
                 return Err(wrong("a dictionary is too large"));

@@ -23,8 +23,21 @@ impl Values {
         Self { number, present: column.max_def_level(), values: Vec::new() }
     }
 
-    /// Adds rows of a group, counted within it; pages before them are skipped.
+    /// Adds rows of a group, counted within it; pages before them are skipped. Rows may be lists of as many values each.
     pub(super) fn add<T: DataType>(
+        &mut self,
+        reader: ColumnReaderImpl<T>,
+        rows: Range<usize>,
+        lists: Option<usize>,
+        to_number: fn(T::T, &mut Number) -> f64,
+    ) -> Result<(), ParquetError> {
+        match lists {
+            None => self.add_values(reader, rows, to_number),
+            Some(channels) => self.add_lists(reader, rows, channels, to_number),
+        }
+    }
+
+    fn add_values<T: DataType>(
         &mut self,
         mut reader: ColumnReaderImpl<T>,
         rows: Range<usize>,
@@ -47,6 +60,30 @@ impl Values {
 }
 
 impl Values {
+    /// Adds rows of a group that are lists of `channels` values each, sample by sample.
+    fn add_lists<T: DataType>(
+        &mut self,
+        mut reader: ColumnReaderImpl<T>,
+        rows: Range<usize>,
+        channels: usize,
+        to_number: fn(T::T, &mut Number) -> f64,
+    ) -> Result<(), ParquetError> {
+        let (mut levels, mut beginnings, mut present) = (Vec::new(), Vec::new(), Vec::new());
+        let passed = reader.skip_records(rows.start)?;
+        let (read, ..) = reader.read_records(rows.len(), Some(&mut levels), Some(&mut beginnings), &mut present)?;
+        let is_regular = |(place, level): (usize, &i16)| (*level == 0) == place.is_multiple_of(channels);
+        let are_regular = beginnings.len() == rows.len() * channels && beginnings.iter().enumerate().all(is_regular);
+        if (passed, read) != (rows.start, rows.len()) || !are_regular {
+            return Err(ParquetError::General(format!("expected {} lists of {channels} values", rows.end)));
+        }
+        let mut present = present.into_iter();
+        for place in 0..rows.len() * channels {
+            let value = if levels.get(place) == Some(&self.present) { present.next() } else { None };
+            self.values.push(value.map_or(f64::NAN, |value| to_number(value, &mut self.number)));
+        }
+        Ok(())
+    }
+
     /// The first stamp read, from which the others count.
     pub(super) fn first_stamp(&self) -> Option<i64> {
         self.number.first

@@ -12,6 +12,7 @@ use super::super::panic_guard::panics_as_damage;
 use super::super::place::{file_length, open};
 use super::super::table::{RequestedColumns, Table};
 use super::guard::Source;
+use super::lerobot::DatasetInfo;
 use super::read::Described;
 
 /// Most rows of a group that is read in pieces. A page may be as large as its group.
@@ -28,22 +29,27 @@ pub(in super::super) struct GroupPieces {
 impl GroupPieces {
     /// Reads the description; none if a group is too large, or begins without a stamp: the reader of whole files then reports what is
     /// wrong.
-    pub(in super::super) fn open(path: &Path, wanted: RequestedColumns<'_>) -> Result<Option<Self>, RecordingError> {
-        Self::of_source(path, &source(path)?, wanted)
+    pub(in super::super) fn open(
+        path: &Path,
+        info: DatasetInfo,
+        wanted: RequestedColumns<'_>,
+    ) -> Result<Option<Self>, RecordingError> {
+        Self::of_source(path, &source(path)?, info, wanted)
     }
 
     /// [`Self::open`] for bytes from any source.
     pub(super) fn of_source(
         path: &Path,
         source: &Source,
+        info: DatasetInfo,
         wanted: RequestedColumns<'_>,
     ) -> Result<Option<Self>, RecordingError> {
         panics_as_damage(path, "Parquet", || {
-            let described = Described::new(path, source)?;
-            if described.samples == 0 || described.largest_group() > MOST_ROWS {
+            let described = Described::new(path, source, info)?;
+            if described.samples == 0 || described.largest_group() > MOST_ROWS || described.has_episodes() {
                 return Ok(None);
             }
-            described.require_room(path, source.length(), wanted)?;
+            described.require_room(path, source.length(), described.samples, wanted)?;
             let first_stamps = first_stamps(&described, source, wanted);
             Ok(first_stamps.map(|first_stamps| Self { path: path.to_owned(), described, first_stamps }))
         })
@@ -91,7 +97,8 @@ fn source(path: &Path) -> Result<Source, RecordingError> {
 /// Reads the second half of a file in memory.
 pub(in super::super) fn fuzz_pieces(bytes: &[u8]) {
     let source = Source::Memory(Bytes::copy_from_slice(bytes));
-    if let Ok(Some(pieces)) = GroupPieces::of_source(Path::new("fuzz.parquet"), &source, RequestedColumns::All) {
+    let (path, info) = (Path::new("fuzz.parquet"), DatasetInfo::default());
+    if let Ok(Some(pieces)) = GroupPieces::of_source(path, &source, info, RequestedColumns::All) {
         let _ = pieces.read_source(&source, pieces.samples() / 2..pieces.samples(), RequestedColumns::All);
     }
 }

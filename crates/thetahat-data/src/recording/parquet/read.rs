@@ -10,26 +10,36 @@ use parquet::column::reader::{ColumnReader, get_column_reader};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
 use parquet::file::serialized_reader::SerializedPageReader;
-use parquet::schema::types::ColumnDescriptor;
+use parquet::schema::types::{ColumnDescPtr, ColumnDescriptor};
 
 use super::super::budget::Budget;
 use super::super::error::RecordingError;
 use super::super::panic_guard::panics_as_damage;
 use super::super::table::{Column, RequestedColumns, Table};
 use super::guard::{Guarded, Pages, Source, description};
+use super::lerobot::{DatasetInfo, EPISODE, Episode, note_on_units};
 use super::numbers::{Number, Values};
 
-/// The columns of a file; missing values are NaN. Columns that are not requested have a name and no values.
-pub(in super::super) fn read(
+/// Names of the repeated group of a list.
+const LISTS: [&str; 2] = ["list", "bag"];
+
+/// The columns of a file, or of one of its episodes, and what a user should know of it; missing values are NaN. Columns that are not
+/// requested have a name and no values.
+pub(in super::super) fn read_episode(
     bytes: Vec<u8>,
     path: &Path,
+    info: DatasetInfo,
+    episode: Option<u64>,
     wanted: RequestedColumns<'_>,
-) -> Result<Table, RecordingError> {
+) -> Result<(Table, Vec<String>), RecordingError> {
     panics_as_damage(path, "Parquet", || {
         let source = Source::Memory(Bytes::from(bytes));
-        let described = Described::new(path, &source)?;
-        described.require_room(path, source.length(), wanted)?;
-        described.table(path, &source, 0..described.samples, wanted, |_| None)
+        let described = Described::new(path, &source, info)?;
+        let episode = described.episode(path, &source, episode)?;
+        described.require_room(path, source.length(), episode.rows.len(), wanted)?;
+        let table = described.table(path, &source, episode.rows, wanted, |_| None)?;
+        let note_on_units = note_on_units(table.columns.iter().map(|column| column.name.as_str()));
+        Ok((table, episode.note.into_iter().chain(note_on_units).collect()))
     })
 }
 
@@ -40,17 +50,19 @@ pub(super) struct Described {
     rows: Vec<usize>,
     /// Number of rows of all groups.
     pub(super) samples: usize,
+    /// What the dataset of the file says of its columns.
+    info: DatasetInfo,
 }
 
 impl Described {
-    pub(super) fn new(path: &Path, source: &Source) -> Result<Self, RecordingError> {
+    pub(super) fn new(path: &Path, source: &Source, info: DatasetInfo) -> Result<Self, RecordingError> {
         let refuse = |e: ParquetError| damaged(path, "description", &e);
         let metadata = description(source).and_then(|bytes| ParquetMetaDataReader::decode_metadata(&bytes));
         let metadata = metadata.map_err(refuse)?;
         let rows = metadata.row_groups().iter().map(|group| usize::try_from(group.num_rows()).unwrap_or(usize::MAX));
         let rows: Vec<usize> = rows.collect();
         let samples = rows.iter().fold(0_usize, |sum, rows| sum.saturating_add(*rows));
-        Ok(Self { metadata, rows, samples })
+        Ok(Self { metadata, rows, samples, info })
     }
 
     /// Rows of the largest group.
@@ -63,13 +75,58 @@ impl Described {
         &self,
         path: &Path,
         bytes: u64,
+        rows: usize,
         wanted: RequestedColumns<'_>,
     ) -> Result<(), RecordingError> {
         let mut budget = Budget::of(path, bytes);
         for index in self.indices().filter(|&index| self.is_read(index, wanted)) {
-            budget.take(&format!("column {:?}", self.name(index)), &[self.samples])?;
+            let channels = self.channels(index).unwrap_or(1);
+            budget.take(&format!("column {:?}", self.name(index)), &[rows, channels])?;
         }
         Ok(())
+    }
+
+    /// The rows of an episode; all rows of a file without episodes.
+    fn episode(&self, path: &Path, source: &Source, asked: Option<u64>) -> Result<Episode, RecordingError> {
+        let numbered = |&index: &usize| self.name(index) == EPISODE && self.kind_not_read(index).is_none();
+        let Some(index) = self.indices().find(numbered).filter(|&index| self.channels(index) == Some(1)) else {
+            return Episode::whole(self.samples, asked, path);
+        };
+        Budget::of(path, source.length()).take(EPISODE, &[self.samples])?;
+        let numbers = self.values(index, source, 0..self.samples, None);
+        let numbers = numbers.map_err(|e| damaged(path, &format!("column {EPISODE:?}"), &e))?;
+        Episode::among(&numbers.values, asked, path)
+    }
+
+    /// Whether the rows may be of several episodes.
+    pub(super) fn has_episodes(&self) -> bool {
+        self.indices().any(|index| self.name(index) == EPISODE)
+    }
+
+    /// The number of values of each row: one, or that of a list; none if lists have different lengths.
+    fn channels(&self, index: usize) -> Option<usize> {
+        if self.column(index).max_rep_level() == 0 {
+            return Some(1);
+        }
+        let values =
+            self.metadata.row_groups().iter().map(|group| usize::try_from(group.column(index).num_values()).ok());
+        let mut of_groups = values
+            .zip(&self.rows)
+            .filter(|(_, rows)| **rows > 0)
+            .map(|(values, rows)| values.filter(|values| values.is_multiple_of(*rows)).map(|values| values / rows));
+        let first = of_groups.next()??;
+        (first > 0 && of_groups.all(|channels| channels == Some(first))).then_some(first)
+    }
+
+    fn column(&self, index: usize) -> ColumnDescPtr {
+        self.metadata.file_metadata().schema_descr().column(index)
+    }
+
+    fn channel_names(&self, index: usize) -> Vec<String> {
+        match self.column(index).max_rep_level() {
+            0 => Vec::new(),
+            _ => self.info.channel_names(&self.name(index), self.channels(index).unwrap_or_default()),
+        }
     }
 
     /// These rows of all columns. `first` is the origin of a column's stamps; by default the first stamp read.
@@ -86,12 +143,14 @@ impl Described {
             if let Some(kind) = self.kind_not_read(index) {
                 return Ok(Column::of_kind(name, kind));
             }
-            if !wanted.includes(&name) {
-                return Ok(Column::of_numbers(name, 0, Vec::new()));
+            let channel_names = self.channel_names(index);
+            if !self.is_read(index, wanted) {
+                return Ok(Column { channel_names, ..Column::of_numbers(name, 0, Vec::new()) });
             }
             let refuse = |e: ParquetError| damaged(path, &format!("column {name:?}"), &e);
-            let values = self.values(index, source, rows.clone(), first(index)).map_err(refuse)?;
-            Ok(Column::of_numbers(name, 1, values.values))
+            let values = self.values(index, source, rows.clone(), first(index)).map_err(refuse)?.values;
+            let channels = self.channels(index).unwrap_or(1);
+            Ok(Column { channel_names, ..Column::of_numbers(name, channels, by_channel(values, channels)) })
         };
         let columns = self.indices().map(column).collect::<Result<_, _>>()?;
         Ok(Table { name: String::new(), columns })
@@ -105,8 +164,7 @@ impl Described {
         rows: Range<usize>,
         first: Option<i64>,
     ) -> Result<Values, ParquetError> {
-        let described = self.metadata.file_metadata().schema_descr().column(index);
-        let mut values = Values::of(&described, first);
+        let mut values = Values::of(&self.column(index), first);
         let mut start = 0;
         for (group, &of_group) in self.rows.iter().enumerate() {
             let range = rows.start.max(start)..rows.end.min(start + of_group);
@@ -122,24 +180,41 @@ impl Described {
         0..self.metadata.file_metadata().schema_descr().num_columns()
     }
 
+    /// The path of a column, for lists without that of their elements.
     pub(super) fn name(&self, index: usize) -> String {
-        self.metadata.file_metadata().schema_descr().column(index).path().parts().join(".")
+        let column = self.column(index);
+        let mut parts = column.path().parts();
+        if column.max_rep_level() > 0 && parts.len() > 1 {
+            parts = &parts[..parts.len() - 1];
+            if let [before @ .., last] = parts
+                && !before.is_empty()
+                && LISTS.contains(&last.as_str())
+            {
+                parts = before;
+            }
+        }
+        parts.join(".")
     }
 
     /// Whether a column is requested and contains numbers.
     pub(super) fn is_read(&self, index: usize, wanted: RequestedColumns<'_>) -> bool {
-        wanted.includes(&self.name(index)) && self.kind_not_read(index).is_none()
+        let is_wanted =
+            || wanted.includes(&self.name(index)) || self.channel_names(index).iter().any(|name| wanted.includes(name));
+        self.kind_not_read(index).is_none() && is_wanted()
     }
 
     /// Whether a column contains stamps.
     pub(super) fn is_stamps(&self, index: usize) -> bool {
-        Number::of(&self.metadata.file_metadata().schema_descr().column(index)).stamps
+        Number::of(&self.column(index)).stamps
     }
 
     /// The kind of a column, if it does not contain numbers that can be read.
     fn kind_not_read(&self, index: usize) -> Option<String> {
-        if let Some(kind) = kind_not_read(&self.metadata.file_metadata().schema_descr().column(index)) {
+        if let Some(kind) = kind_not_read(&self.column(index)) {
             return Some(kind.to_owned());
+        }
+        if self.channels(index).is_none() {
+            return Some("a column of lists of different lengths".to_owned());
         }
         let compression = self.compression_not_read(index)?.to_string();
         Some(format!("a column compressed by {}", compression.split('(').next().unwrap_or_default()))
@@ -167,16 +242,19 @@ impl Described {
         if offsets.into_iter().flatten().any(|offset| offset < 0) {
             return Err(ParquetError::General("its place in the file is negative".to_owned()));
         }
-        let of_group = self.rows[group];
-        let guarded = Arc::new(Guarded { source: source.clone(), limit: 16 * (of_group + 1024) });
+        let (of_group, channels) = (self.rows[group], self.channels(index).unwrap_or(1));
+        let of_chunk = of_group.saturating_mul(channels);
+        let limit = of_chunk.saturating_add(1024).saturating_mul(16);
+        let guarded = Arc::new(Guarded { source: source.clone(), limit });
         let pages = SerializedPageReader::new(guarded, chunk, of_group, None)?;
-        let pages = Pages { pages, limit: of_group, has_dictionary: false };
+        let pages = Pages { pages, limit: of_chunk, has_dictionary: false };
+        let lists = (chunk.column_descr().max_rep_level() > 0).then_some(channels);
         match get_column_reader(chunk.column_descr_ptr(), Box::new(pages)) {
-            ColumnReader::BoolColumnReader(reader) => values.add(reader, rows, |x, _| f64::from(u8::from(x))),
-            ColumnReader::Int32ColumnReader(reader) => values.add(reader, rows, |x, number| number.of_i32(x)),
-            ColumnReader::Int64ColumnReader(reader) => values.add(reader, rows, |x, number| number.of_i64(x)),
-            ColumnReader::FloatColumnReader(reader) => values.add(reader, rows, |x, _| x.into()),
-            ColumnReader::DoubleColumnReader(reader) => values.add(reader, rows, |x, _| x),
+            ColumnReader::BoolColumnReader(reader) => values.add(reader, rows, lists, |x, _| f64::from(u8::from(x))),
+            ColumnReader::Int32ColumnReader(reader) => values.add(reader, rows, lists, |x, number| number.of_i32(x)),
+            ColumnReader::Int64ColumnReader(reader) => values.add(reader, rows, lists, |x, number| number.of_i64(x)),
+            ColumnReader::FloatColumnReader(reader) => values.add(reader, rows, lists, |x, _| x.into()),
+            ColumnReader::DoubleColumnReader(reader) => values.add(reader, rows, lists, |x, _| x),
             ColumnReader::Int96ColumnReader(_)
             | ColumnReader::ByteArrayColumnReader(_)
             | ColumnReader::FixedLenByteArrayColumnReader(_) => {
@@ -186,14 +264,22 @@ impl Described {
     }
 }
 
+/// Reorders values from sample by sample to channel by channel.
+fn by_channel(values: Vec<f64>, channels: usize) -> Vec<f64> {
+    if channels == 1 {
+        return values;
+    }
+    (0..channels).flat_map(|channel| values.iter().skip(channel).step_by(channels).copied()).collect()
+}
+
 fn damaged(path: &Path, what: &str, error: &ParquetError) -> RecordingError {
     RecordingError::damaged(path, format!("{what}: {error}"))
 }
 
 /// The kind of a column, if it does not contain numbers.
 fn kind_not_read(column: &ColumnDescriptor) -> Option<&'static str> {
-    if column.max_rep_level() > 0 {
-        return Some("a column of lists");
+    if column.max_rep_level() > 1 {
+        return Some("a column of lists of lists");
     }
     let decimal = matches!(column.converted_type(), ConvertedType::DECIMAL)
         || matches!(column.logical_type_ref(), Some(LogicalType::Decimal(_)));

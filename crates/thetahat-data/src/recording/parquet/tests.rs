@@ -8,7 +8,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 
 use super::super::table::{RequestedColumns, Table};
-use super::super::{Format, RecordingError, select};
+use super::super::{Format, RecordingError, read_channels, select, written_elsewhere};
 use super::*;
 use thetahat_testing::Folder;
 
@@ -115,6 +115,10 @@ fn zeros(groups: usize, of_group: usize) -> Vec<u8> {
     writer.into_inner().unwrap()
 }
 
+fn read(bytes: Vec<u8>, path: &Path, wanted: RequestedColumns<'_>) -> Result<Table, RecordingError> {
+    read_episode(bytes, path, DatasetInfo::default(), None, wanted).map(|(table, _)| table)
+}
+
 fn loaded(bytes: &[u8]) -> Result<Table, RecordingError> {
     read(bytes.to_vec(), Path::new(FILE), RequestedColumns::All)
 }
@@ -148,8 +152,6 @@ fn missing_value() {
 #[test]
 fn columns_that_are_not_numbers_say_what_they_are() {
     assert!(matches!(failure("note"), RecordingError::NotNumeric { found, .. } if found == "text"));
-    let list = failure("list.list.element");
-    assert!(matches!(list, RecordingError::NotNumeric { found, .. } if found == "a column of lists"));
 }
 
 #[test]
@@ -188,7 +190,9 @@ fn parts_are_those_of_the_whole_bit_by_bit() {
             let bytes = rows(ROWS, of_group, compression);
             let whole = loaded(&bytes).unwrap();
             let folder = Folder::with(FILE, &bytes);
-            let pieces = GroupPieces::open(&folder.path().join(FILE), RequestedColumns::All).unwrap().unwrap();
+            let pieces = GroupPieces::open(&folder.path().join(FILE), DatasetInfo::default(), RequestedColumns::All)
+                .unwrap()
+                .unwrap();
             assert_eq!(pieces.samples(), ROWS);
             for size in [1, 49, 50, 333, 1199, ROWS].into_iter().filter(|size| *size > 1 || of_group == 100) {
                 for start in (0..ROWS).step_by(size) {
@@ -209,7 +213,9 @@ fn parts_are_those_of_the_whole_bit_by_bit() {
 fn parts_of_columns_that_are_not_wanted_are_not_read() {
     let folder = Folder::with(FILE, rows(300, 100, Compression::SNAPPY));
     let asked = ["q".to_owned()];
-    let pieces = GroupPieces::open(&folder.path().join(FILE), RequestedColumns::Named(&asked)).unwrap().unwrap();
+    let pieces = GroupPieces::open(&folder.path().join(FILE), DatasetInfo::default(), RequestedColumns::Named(&asked))
+        .unwrap()
+        .unwrap();
     let table = pieces.read(150..250, RequestedColumns::Named(&asked)).unwrap();
     let read: Vec<usize> = table.columns.iter().map(|column| column.values.len()).collect();
     assert_eq!(read, [0, 100, 0, 0, 0, 0]);
@@ -219,7 +225,7 @@ fn parts_of_columns_that_are_not_wanted_are_not_read() {
 fn large_groups_are_left_to_the_reader_of_whole_files() {
     let opened = |bytes: &[u8]| {
         let folder = Folder::with(FILE, bytes);
-        GroupPieces::open(&folder.path().join(FILE), RequestedColumns::All)
+        GroupPieces::open(&folder.path().join(FILE), DatasetInfo::default(), RequestedColumns::All)
     };
     assert!(opened(&zeros(1, 1 << 22)).unwrap().is_some());
     assert!(opened(&zeros(1, (1 << 22) + 1)).unwrap().is_none());
@@ -237,7 +243,7 @@ fn parts_of_a_damaged_file_never_panic() {
     let path = folder.path().join(FILE);
     let read = |bytes: &[u8]| {
         std::fs::write(&path, bytes).unwrap();
-        GroupPieces::open(&path, RequestedColumns::All)?
+        GroupPieces::open(&path, DatasetInfo::default(), RequestedColumns::All)?
             .map(|pieces| pieces.read(70..90, RequestedColumns::All))
             .transpose()
     };
@@ -262,7 +268,65 @@ fn a_file_that_changes_while_it_is_read() {
     let whole = rows(120, 40, Compression::SNAPPY);
     let folder = Folder::with(FILE, &whole);
     let path = folder.path().join(FILE);
-    let pieces = GroupPieces::open(&path, RequestedColumns::All).unwrap().unwrap();
+    let pieces = GroupPieces::open(&path, DatasetInfo::default(), RequestedColumns::All).unwrap().unwrap();
     std::fs::write(&path, &whole[..whole.len() / 3]).unwrap();
     assert!(matches!(pieces.read(70..120, RequestedColumns::All), Err(RecordingError::Damaged { .. })));
+}
+
+/// A dataset with one file.
+fn dataset(file: &str, names: &str) -> Folder {
+    let folder = Folder::new();
+    folder.write(format!("data/chunk-000/{FILE}"), written_elsewhere::bytes(file));
+    let info = format!(r#"{{"features": {{"observation.state": {{"names": {names}}}}}}}"#);
+    folder.write("meta/info.json", info);
+    folder
+}
+
+fn of_dataset(folder: &Folder, keys: &str) -> Result<Vec<f64>, RecordingError> {
+    let source = format!("file = 'data/chunk-000/{FILE}'\nunit = '1'\n{keys}");
+    read_channels(&toml::from_str(&source).unwrap(), folder.path()).map(|series| series.values().to_vec())
+}
+
+#[test]
+fn lists_are_columns_of_several_channels() {
+    let folder = dataset(written_elsewhere::LEROBOT_FIXED, r#"["pan.pos", "lift.pos"]"#);
+    let whole: Vec<f64> = (0..10).map(f64::from).collect();
+    assert_eq!(of_dataset(&folder, "columns = ['observation.state']").unwrap(), whole);
+    assert_eq!(of_dataset(&folder, "columns = ['action[2]']").unwrap(), [0.0, 2.0, 4.0, 6.0, 8.0]);
+    assert_eq!(of_dataset(&folder, "columns = ['observation.state.lift.pos']").unwrap(), [1.0, 3.0, 5.0, 7.0, 9.0]);
+    assert_eq!(of_dataset(&folder, "columns = ['observation.state']\nepisode = 2").unwrap(), whole);
+    let error = of_dataset(&folder, "columns = ['action']\nepisode = 3").unwrap_err();
+    assert!(matches!(error, RecordingError::MissingEpisode { episode: 3, .. }));
+    assert!(matches!(
+        of_dataset(&folder, "columns = ['action[0]']"),
+        Err(RecordingError::MissingChannel { found: 2, .. })
+    ));
+}
+
+#[test]
+fn one_episode_of_several_is_read() {
+    let folder = dataset(written_elsewhere::LEROBOT_LISTS, r#"{"motors": ["pan", "lift"]}"#);
+    assert_eq!(of_dataset(&folder, "columns = ['observation.state.pan']").unwrap(), [0.0, 2.0]);
+    assert_eq!(of_dataset(&folder, "columns = ['observation.state.pan']\nepisode = 1").unwrap(), [4.0, 6.0, 8.0]);
+    let contents = super::super::inspect(&folder.at(format!("data/chunk-000/{FILE}"))).unwrap();
+    let names: Vec<&str> = contents.tables[0].columns.iter().map(|column| column.name.as_str()).collect();
+    assert_eq!(names[..3], ["observation.state.pan", "observation.state.lift", "action"]);
+    assert!(contents.notes[0].contains("Episode 0 of the episodes 0 to 1"), "{:?}", contents.notes);
+    assert!(contents.notes[1].contains("state the unit"), "{:?}", contents.notes);
+}
+
+#[test]
+fn damaged_lists_never_panic() {
+    for file in [written_elsewhere::LEROBOT_FIXED, written_elsewhere::LEROBOT_LISTS] {
+        let whole = written_elsewhere::bytes(file);
+        for place in 0..whole.len() {
+            assert!(matches!(loaded(&whole[..place]), Err(RecordingError::Damaged { .. })), "{place}");
+            for damage in [0x00, 0x01, 0x7f, 0xff] {
+                let mut bytes = whole.clone();
+                bytes[place] = damage;
+                let _ = loaded(&bytes);
+                fuzz_pieces(&bytes);
+            }
+        }
+    }
 }

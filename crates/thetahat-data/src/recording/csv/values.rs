@@ -1,0 +1,64 @@
+//! The values of one channel while its cells are read.
+
+use super::super::table::{Column, Flaw, is_plausible};
+use super::number::Numbers;
+use super::stamp::Stamp;
+use super::stamps::seconds;
+use super::text::characters;
+
+/// The cells of a channel as numbers, or as stamps if the first is one.
+#[derive(Default)]
+pub(super) struct Values {
+    numbers: Vec<f64>,
+    stamps: Vec<Option<Stamp>>,
+    flaw: Option<Flaw>,
+    /// The first stamp, and its line.
+    first_stamp: Option<(u64, String)>,
+}
+
+impl Values {
+    /// Adds a cell; `line` is asked for only if the cell is flawed.
+    pub(super) fn push(&mut self, cell: &[u8], numbers: &mut Numbers, line: impl Fn() -> u64) {
+        if !self.stamps.is_empty() {
+            return self.push_stamp(cell, line);
+        }
+        let number = numbers.read(cell);
+        if number.is_none() && self.numbers.is_empty() && Stamp::parse(&characters(cell)).is_some() {
+            self.first_stamp = Some((line(), characters(cell).trim().to_owned()));
+            return self.push_stamp(cell, line);
+        }
+        self.numbers.push(number.unwrap_or(f64::NAN));
+        if self.flaw.is_none() && !number.is_some_and(is_plausible) {
+            self.flaw = Some(flaw(number, cell, line()));
+        }
+    }
+
+    fn push_stamp(&mut self, cell: &[u8], line: impl Fn() -> u64) {
+        let stamp = Stamp::parse(&characters(cell));
+        if self.flaw.is_none() && stamp.is_none() {
+            self.flaw = Some(flaw(None, cell, line()));
+        }
+        self.stamps.push(stamp);
+    }
+
+    /// The column. Stamps are seconds from the first.
+    pub(super) fn into_column(self, name: String, day_first: Option<bool>) -> Column {
+        if self.stamps.is_empty() {
+            return Column { flaw: self.flaw, ..Column::of_numbers(name, 1, self.numbers) };
+        }
+        let Some(values) = seconds(&self.stamps, day_first) else {
+            let (line, found) = self.first_stamp.unwrap_or_default();
+            let values = vec![f64::NAN; self.stamps.len()];
+            let flaw = Some(Flaw::UnclearDate { line, found });
+            return Column { flaw, in_seconds: true, ..Column::of_numbers(name, 1, values) };
+        };
+        Column { flaw: self.flaw, in_seconds: true, ..Column::of_numbers(name, 1, values) }
+    }
+}
+
+pub(super) fn flaw(number: Option<f64>, cell: &[u8], line: u64) -> Flaw {
+    match number {
+        Some(found) => Flaw::NotFinite { line, found },
+        None => Flaw::Text { line, found: characters(cell) },
+    }
+}
