@@ -25,6 +25,7 @@ pub fn contents_text(contents: &Contents, width: TextWidth) -> String {
             width,
         );
     }
+    contents.notes.iter().for_each(|note| text += &wrap(note, "", width));
     for table in &contents.tables {
         text += "\n";
         text += &columns(table).to_text(width);
