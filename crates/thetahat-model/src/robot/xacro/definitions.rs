@@ -9,7 +9,7 @@ use super::{
     scope::{Block, GLOBAL, Property},
     state::Expander,
     substitution::literal,
-    tree::{Element, Node},
+    tree::{Element, Node, elements_of},
     value::Value,
 };
 
@@ -37,19 +37,9 @@ impl Expander {
             return Ok(());
         };
         let is_lazy = self.flag(element, "lazy_eval", true, scope)? && !is_elsewhere;
-        let property = match literal(Value::text(text)) {
-            _ if !is_lazy => Property::Known(literal(self.value(element, text, scope)?)),
-            // Without its quotes, as the reference evaluates it.
-            Value::Text(text) => Property::Text(text),
-            known @ (Value::None
-            | Value::Bool(_)
-            | Value::Integer(_)
-            | Value::Float(_)
-            | Value::List(_)
-            | Value::Map(_)
-            | Value::Function(_)
-            | Value::Module
-            | Value::Namespace(_)) => Property::Known(known),
+        let property = match is_lazy {
+            true => unevaluated(text),
+            false => Property::Known(literal(self.value(element, text, scope)?)),
         };
         self.scopes.set(target, &name, property);
         Ok(())
@@ -120,19 +110,11 @@ impl Expander {
             let value = literal(self.value(call, text, scope)?);
             self.scopes.set(inner, name, Property::Known(value));
         }
-        let elements =
-            blocks.iter().filter_map(|node| if let Node::Element(element) = node { Some(element) } else { None });
-        let mut elements = elements;
+        let mut elements = elements_of(blocks);
         let mut missing = Vec::new();
         for parameter in &called.parameters {
             let is_bound = match parameter.block() {
-                Some((name, whole)) => match elements.next() {
-                    Some(element) => {
-                        self.scopes.set_block(inner, name, Block { element: Rc::clone(element), whole });
-                        true
-                    }
-                    None => false,
-                },
+                Some(block) => self.bind_block(block, elements.next(), inner),
                 None => self.bind_default(call, parameter, scope, inner)?,
             };
             missing.extend((!is_bound).then(|| parameter.name.clone()));
@@ -140,13 +122,18 @@ impl Expander {
         if !missing.is_empty() {
             return Err(at(call, XacroProblem::MissingParameters { name: called.name.clone(), missing }));
         }
-        match elements.next() {
-            None => Ok(()),
-            Some(element) => {
-                let (name, block) = (called.name.clone(), element.name.clone());
-                Err(at(call, XacroProblem::UnusedBlock { name, block }))
-            }
-        }
+        elements.next().map_or(Ok(()), |element| {
+            let (name, block) = (called.name.clone(), element.name.clone());
+            Err(at(call, XacroProblem::UnusedBlock { name, block }))
+        })
+    }
+
+    /// Whether there is an element for a block.
+    fn bind_block(&mut self, (name, whole): (&str, bool), element: Option<&Rc<Element>>, inner: usize) -> bool {
+        let block = element.map(|element| Block { element: Rc::clone(element), whole });
+        let is_bound = block.is_some();
+        block.into_iter().for_each(|block| self.scopes.set_block(inner, name, block));
+        is_bound
     }
 
     fn check_names(&self, call: &Element, called: &Macro) -> Done {
@@ -185,6 +172,23 @@ impl Expander {
         };
         self.scopes.set(inner, &parameter.name, Property::Known(literal(value)));
         Ok(true)
+    }
+}
+
+/// A property whose text is evaluated when it is first used, unless it is a number or a truth value.
+fn unevaluated(text: &str) -> Property {
+    match literal(Value::text(text)) {
+        // Without its quotes, as the reference evaluates it.
+        Value::Text(text) => Property::Text(text),
+        known @ (Value::None
+        | Value::Bool(_)
+        | Value::Integer(_)
+        | Value::Float(_)
+        | Value::List(_)
+        | Value::Map(_)
+        | Value::Function(_)
+        | Value::Module
+        | Value::Namespace(_)) => Property::Known(known),
     }
 }
 

@@ -34,7 +34,7 @@ impl Element {
     }
 
     pub(super) fn elements(&self) -> impl Iterator<Item = &Rc<Self>> {
-        self.children.iter().filter_map(|node| if let Node::Element(element) = node { Some(element) } else { None })
+        elements_of(&self.children)
     }
 
     pub(super) fn place(&self) -> Place {
@@ -42,6 +42,11 @@ impl Element {
         let element = format!("<{}{name}>", shortened(&self.name));
         Place { path: self.path.to_path_buf(), line: self.line, element }
     }
+}
+
+/// The elements among nodes.
+pub(super) fn elements_of(nodes: &[Node]) -> impl Iterator<Item = &Rc<Element>> {
+    nodes.iter().filter_map(|node| if let Node::Element(element) = node { Some(element) } else { None })
 }
 
 /// A text shortened so that a message stays readable.
