@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any, TypeGuard, Union
 
 import numpy as np
 
@@ -35,7 +35,7 @@ def robot_of(robot: RobotLike) -> Robot:
 
 def recordings_of(robot: Robot, recordings: Recordings, name: str = "recordings") -> list[Recording]:
     """The recordings, read if they are paths or frames; all have the robot's number of joints."""
-    if isinstance(recordings, Recording) or is_path(recordings) or _is_frame(recordings):
+    if is_recording_like(recordings):
         found = _read(robot, name, recordings)
     elif isinstance(recordings, Iterable) and not isinstance(recordings, (np.ndarray, dict)):
         found = [recording for k, one in enumerate(recordings) for recording in _read(robot, f"{name}[{k}]", one)]
@@ -44,6 +44,11 @@ def recordings_of(robot: Robot, recordings: Recordings, name: str = "recordings"
     for recording in found:
         _require_joints(robot, recording)
     return found
+
+
+def is_recording_like(value: object) -> TypeGuard[RecordingLike]:
+    """Whether the value is a recording, the path of one, or a frame."""
+    return isinstance(value, Recording) or is_path(value) or _is_frame(value)
 
 
 def one_recording(robot: Robot, recording: RecordingLike, name: str = "recording") -> Recording:
