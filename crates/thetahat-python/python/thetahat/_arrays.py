@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import warnings
 from typing import Any
 
@@ -26,11 +28,19 @@ def float64(name: str, values: ArrayLike) -> Array:
             f"{name} is {array.dtype} and was converted to float64: positions with this precision give coarse velocities; "
             "log in float64, or convert the array yourself if the precision suffices",
             PrecisionWarning,
-            stacklevel=4,
+            stacklevel=_caller_level(),
         )
     elif array.dtype.kind not in "iuf":
         raise TypeError(f"{name} must hold real numbers, and is {array.dtype}")
     return array.astype(np.float64)
+
+
+def _caller_level() -> int:
+    """The `stacklevel` of the first caller outside the package, for a warning of the function that calls this."""
+    package, level, frame = os.path.dirname(__file__), 1, sys._getframe(1)
+    while frame.f_back is not None and os.path.dirname(frame.f_code.co_filename) == package:
+        frame, level = frame.f_back, level + 1
+    return level
 
 
 def samples(name: str, values: ArrayLike, columns: int | None = None) -> Array:
@@ -68,8 +78,17 @@ def vector(name: str, values: ArrayLike, length: int | None = None) -> Array:
     return array
 
 
-def read_only(array: Array) -> Array:
-    """A read-only view of the same memory."""
-    view = array.view()
-    view.flags.writeable = False
-    return view
+def frozen(array: Array) -> Array:
+    """A read-only array that no other code can change: a copy, except of arrays that are already read-only."""
+    own = array if _is_frozen(array) else array.copy(order="K")
+    own.flags.writeable = False
+    return own
+
+
+def _is_frozen(array: object) -> bool:
+    """Whether neither the array nor one that it is a view of can be written to."""
+    while isinstance(array, np.ndarray):
+        if array.flags.writeable:
+            return False
+        array = array.base
+    return True

@@ -49,6 +49,10 @@ class ReductionError(ThetahatError, ValueError):
     """Recordings that cannot be reduced, or reductions that cannot be merged."""
 
 
+class CommandError(ThetahatError, ValueError):
+    """A command of the command line that ended with an error."""
+
+
 class EngineError(ThetahatError, RuntimeError):
     """An engine that is not installed, does not answer, or loses its workers."""
 

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from . import _thetahat
+from ._arguments import described, number, require, suggesting, table, tables, whole
 from ._estimators import Estimator, callers
+from ._filter_choice import Filter, chosen
+from ._inputs import Recordings, RobotLike, recordings_of, robot_of
 from ._progress import Progress, reporting
 from .controllers import Controller
 from .errors import SettingsError
@@ -16,30 +19,19 @@ from .results import Result
 from .robot import Robot
 
 _Table = Mapping[str, Any]
-_Recordings = Recording | Sequence[Recording]
 
 
-class Filter(NamedTuple):
-    """A cut-off of the position filter with a decimation, and the reason for the choice."""
-
-    cutoff_hz: float
-    """Cut-off of the Butterworth filter of the positions, Hz."""
-    decimation: int
-    """One in this many samples is kept, after the parallel filter."""
-    reasons: tuple[str, ...] = ()
-    """The reasons for the choice, line by line."""
-
-
+@suggesting
 def identify(
-    robot: Robot,
-    recordings: _Recordings,
+    robot: RobotLike,
+    recordings: Recordings,
     *,
-    methods: Sequence[str] = ("idim-ls",),
+    methods: str | Sequence[str] = ("idim-ls",),
     estimators: Mapping[str, Estimator] | None = None,
     controller: Controller | _Table | None = None,
     cutoff_hz: float | None = None,
     decimation: int | None = None,
-    validation: _Recordings = (),
+    validation: Recordings = (),
     signal: _Table | None = None,
     parameters: _Table | None = None,
     estimation: _Table | None = None,
@@ -54,10 +46,10 @@ def identify(
 
     Parameters
     ----------
-    robot : Robot
-        The robot.
-    recordings : Recording or sequence of Recording
-        The recordings; several form one regression.
+    robot : Robot or path
+        The robot, or the file of its description.
+    recordings : Recording, path, DataFrame or a sequence of these
+        The recordings; several form one regression. Columns of files and frames are recognised as by :func:`thetahat.read`.
     methods : str or sequence of str
         ``"idim-ls"``, ``"idim-wls"``, ``"idim-iv"``, ``"didim"``, ``"clie"``, ``"cloe"``.
     estimators : mapping, optional
@@ -68,8 +60,9 @@ def identify(
     controller : Controller, optional
         The controller of the simulated loop, which all methods except the first two need; ``"idim-iv"`` guesses one without it.
     cutoff_hz, decimation : float and int, optional
-        The position filter and the decimation. Give both or neither; then :func:`choose_filter` chooses them, which takes seconds.
-    validation : Recording or sequence of Recording
+        The position filter and the decimation. Give both or neither; then :func:`choose_filter` chooses them, which takes
+        seconds. The choice is remembered for the same content.
+    validation : as `recordings`
         Recordings held back for validation.
     signal, parameters, estimation, simulation : mapping, optional
         Further keys of the tables of these names in an experiment file, such as ``parameters={"physical": True}`` or
@@ -109,38 +102,68 @@ def identify(
     >>> bool(abs(result["ridge"]["fv1"].estimate - twin.truth["fv1"]) < 0.1)
     True
     """
+    threads = whole("threads", threads)
     if threads is not None and threads < 1:
         raise ValueError(f"threads is {threads}; at least one is needed")
+    require("controller", controller, (Controller, Mapping, type(None)), "a controller such as thetahat.PD, or a mapping")
+    if not isinstance(progress, bool) and not callable(progress):
+        raise TypeError(f"progress must be True, False or a function of the stage, and is {described(progress)}")
+    require("estimators", estimators, (Mapping, type(None)), 'a mapping such as {"name": function}')
+    names, own = _methods(methods), callers(estimators or {})
+    filtering = {"cutoff_hz": number("cutoff_hz", cutoff_hz), "decimation": whole("decimation", decimation)}
+    settings: dict[str, Any] = {
+        "signal": {**filtering, **table("signal", signal)},
+        "parameters": table("parameters", parameters),
+        "estimation": {"methods": names, **table("estimation", estimation)},
+        "simulation": table("simulation", simulation),
+        "controller": controller.settings() if isinstance(controller, Controller) else controller,
+        "case": tables("cases", cases),
+        "payload": tables("payloads", payloads),
+    }
+    with reporting(progress) as report_stage:
+        known, fitted, held_back = _read(robot, recordings, validation, report_stage)
+        _choose_missing(known, fitted, settings, report_stage)
+        native = _thetahat.identify(
+            known._native, (fitted, held_back), (settings, own), title or known.name, threads, report_stage
+        )
+    return Result(native, known)
+
+
+def _methods(methods: str | Sequence[str]) -> list[str]:
+    require("methods", methods, (str, Sequence), "names of methods")
     names = [methods] if isinstance(methods, str) else list(methods)
     if not all(isinstance(name, str) for name in names):
         raise TypeError('methods are names; give estimators of your own by name: estimators={"name": ...}')
-    own = callers(estimators or {})
-    table = {"methods": names, **(estimation or {})}
-    settings: dict[str, Any] = {
-        "parameters": dict(parameters or {}),
-        "estimation": table,
-        "simulation": dict(simulation or {}),
-        "controller": controller.settings() if isinstance(controller, Controller) else controller,
-        "case": [dict(case) for case in cases],
-        "payload": [dict(payload) for payload in payloads],
-    }
-    all_recordings = _list(recordings)
-    settings["signal"] = {"cutoff_hz": cutoff_hz, "decimation": decimation, **(signal or {})}
+    return names
+
+
+def _read(
+    robot: RobotLike, recordings: Recordings, validation: Recordings, report_stage: Progress | None
+) -> tuple[Robot, list[Recording], list[Recording]]:
+    """The robot and the recordings, read if they are files."""
+    if report_stage is not None and not isinstance(recordings, Recording):
+        report_stage("reading the files")
+    known = robot_of(robot)
+    return known, recordings_of(known, recordings), recordings_of(known, validation, "validation")
+
+
+def _choose_missing(
+    robot: Robot, recordings: list[Recording], settings: dict[str, Any], report_stage: Progress | None
+) -> None:
+    """Complete the settings by a filter if they have none."""
     missing = [key for key in ("cutoff_hz", "decimation") if settings["signal"][key] is None]
     if len(missing) == 1:
         given = "decimation" if missing == ["cutoff_hz"] else "cutoff_hz"
         raise SettingsError(f"{given} is given without {missing[0]}: give both, or neither and both are chosen")
     if missing:
-        chosen = _chosen(robot, all_recordings, settings)
-        settings["signal"].update(cutoff_hz=chosen.cutoff_hz, decimation=chosen.decimation)
-    with reporting(progress) as report_stage:
-        native = _thetahat.identify(
-            robot._native, (all_recordings, _list(validation)), (settings, own), title or robot.name, threads, report_stage
-        )
-    return Result(native, robot)
+        if report_stage is not None:
+            report_stage("choosing the filter")
+        found = chosen(robot, recordings, settings)
+        settings["signal"].update(cutoff_hz=found.cutoff_hz, decimation=found.decimation)
 
 
-def choose_filter(robot: Robot, recordings: _Recordings, *, parameters: _Table | None = None) -> Filter:
+@suggesting
+def choose_filter(robot: RobotLike, recordings: Recordings, *, parameters: _Table | None = None) -> Filter:
     """The filter with the smallest error of IDIM-LS estimates, on simulated twins of the longest recording.
 
     This is the proposal of ``thetahat init``: if no filter can be chosen, the default one with the reason.
@@ -152,16 +175,11 @@ def choose_filter(robot: Robot, recordings: _Recordings, *, parameters: _Table |
     parameters : mapping, optional
         Which parameters are estimated: the table of that name in an experiment file.
     """
-    return _chosen(robot, _list(recordings), {"parameters": dict(parameters or {}), "signal": {}})
+    known = robot_of(robot)
+    return chosen(known, recordings_of(known, recordings), {"parameters": table("parameters", parameters), "signal": {}})
 
 
-def _chosen(robot: Robot, recordings: list[Recording], settings: dict[str, Any]) -> Filter:
-    # The choice ignores the filter of the settings, which must exist.
-    signal = {**settings["signal"], "cutoff_hz": 1.0, "decimation": 1}
-    cutoff_hz, decimation, reasons = _thetahat.choose_filter(robot._native, recordings, {**settings, "signal": signal})
-    return Filter(cutoff_hz, decimation, tuple(reasons))
-
-
+@suggesting
 def run(
     experiment: str | os.PathLike[str],
     *,
@@ -192,7 +210,3 @@ def run(
     with reporting(progress) as report_stage:
         native, native_robot = _thetahat.run(path, folder, None if robot is None else os.fspath(robot), report_stage)
     return Result(native, Robot(native_robot))
-
-
-def _list(recordings: _Recordings) -> list[Recording]:
-    return [recordings] if isinstance(recordings, Recording) else list(recordings)

@@ -13,6 +13,10 @@ from numpy.typing import ArrayLike
 
 from . import _thetahat
 from ._arrays import Array
+from ._inference import freedom_of, level_of, p_value, symmetric, two_sided_quantile
+from ._inputs import RecordingLike, is_recording_like, one_recording
+from ._prediction import motion_of
+from ._text import Text, result_summary, run_summary
 from .errors import ResultsError
 from .robot import Robot
 
@@ -66,8 +70,9 @@ class ModelParameter(NamedTuple):
 class Model:
     """The physically consistent robot that predictions and exports use: ``model["m3"]`` is a standard parameter."""
 
-    def __init__(self, data: dict[str, Any]) -> None:
+    def __init__(self, data: dict[str, Any], robot: Robot | None = None, cutoff_hz: float | None = None) -> None:
         self._data = data
+        self._robot, self._cutoff_hz = robot, cutoff_hz
         self._standard = {p["name"]: float(p["value"]) for p in data["standard"]}
 
     @property
@@ -108,6 +113,22 @@ class Model:
         """What the model or the recordings are wrong in, the strongest evidence first."""
         causes: list[dict[str, Any]] = self._data.get("causes", [])
         return causes
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the base parameters."""
+        return [p["name"] for p in self._data["parameters"]]
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance of the base parameters, shape (parameters, parameters), SI; NaN if there is none."""
+        return symmetric(self._data.get("covariance"), len(self.names))
+
+    def predict(self, q: ArrayLike | RecordingLike, dq: ArrayLike | None = None, ddq: ArrayLike | None = None) -> Array:
+        """The torques that the model predicts for a motion or a recording, as :meth:`Result.predict`."""
+        robot = _known(self._robot)
+        theta = np.array([self.standard[name] for name in robot.parameter_names])
+        return _predicted(robot, theta, self.friction_transition, _motion(robot, self._cutoff_hz, q, dq, ddq))
 
     def __getitem__(self, name: str) -> float:
         return self._standard[name]
@@ -203,6 +224,59 @@ class Run:
         """Their 95 % intervals, shape (parameters, 2); NaN if there is none."""
         ends = [data["interval_95"] or (np.nan, np.nan) for data in self._data["parameters"]]
         return np.array(ends, dtype=np.float64).reshape(-1, 2)
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance of the estimates, shape (parameters, parameters), in the order of :attr:`names`, SI; NaN if there is
+        none. The roots of its diagonal are the :attr:`standard_deviations`."""
+        return symmetric(self._data.get("covariance"), len(self))
+
+    @property
+    def degrees_of_freedom(self) -> float:
+        """Degrees of freedom of the t distribution of intervals and tests: few, because errors are correlated in time.
+        Infinite for your own estimator."""
+        return freedom_of(self.intervals_95, self.standard_deviations)
+
+    @property
+    def t_values(self) -> Array:
+        """Estimates divided by their standard deviations, shape (parameters,)."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return self.estimates / self.standard_deviations
+
+    @property
+    def p_values(self) -> Array:
+        """Probabilities of t values at least as far from zero, if the parameter were zero; shape (parameters,)."""
+        freedom = self.degrees_of_freedom
+        return np.array([p_value(t, freedom) for t in self.t_values.tolist()])
+
+    def conf_int(self, level: float = 0.95, *, alpha: float | None = None) -> Array:
+        """Intervals that contain the true values with a probability.
+
+        Parameters
+        ----------
+        level : float
+            The probability, such as 0.95 or 0.99.
+        alpha : float, optional
+            Instead of it ``1 - level``, as in statsmodels.
+
+        Returns
+        -------
+        ndarray (parameters, 2)
+            Their ends, SI; those of the level 0.95 are :attr:`intervals_95`.
+        """
+        half_width = two_sided_quantile(level_of(level, alpha), self.degrees_of_freedom) * self.standard_deviations
+        return np.column_stack([self.estimates - half_width, self.estimates + half_width])
+
+    @property
+    def residuals(self) -> Array:
+        """Measured minus predicted torques, shape (rows, n), N m or N."""
+        if self.predicted.shape != self.measured.shape:
+            raise ResultsError(f"{self.method} has no curves in the case {self.case}: {self.reason or self.status}")
+        return self.measured - self.predicted
+
+    def summary(self, level: float = 0.95) -> Text:
+        """A table of the estimates with standard deviations, t, p and intervals."""
+        return run_summary(self, level_of(level, None))
 
     @property
     def time(self) -> Array:
@@ -329,7 +403,7 @@ class Result:
     def model(self) -> Model | None:
         """The model that :meth:`predict` and :meth:`export` use; None if there is none, as without torques."""
         model = self._data.get("model")
-        return None if model is None else Model(model)
+        return None if model is None else Model(model, self._known_robot, self._cutoff_hz)
 
     @property
     def best(self) -> Run:
@@ -434,25 +508,84 @@ class Result:
         extension = os.path.splitext(file)[1].lstrip(".")
         return self._native.export(file, to or {"xml": "mjcf"}.get(extension, extension), method, untrusted, force)
 
-    def predict(self, q: ArrayLike, dq: ArrayLike, ddq: ArrayLike, *, run: Run | None = None) -> Array:
-        """The torques that the estimates predict for a motion.
+    def predict(
+        self,
+        q: ArrayLike | RecordingLike,
+        dq: ArrayLike | None = None,
+        ddq: ArrayLike | None = None,
+        *,
+        run: Run | None = None,
+    ) -> Array:
+        """The torques that the estimates predict for a motion or a recording.
 
         Parameters
         ----------
-        q, dq, ddq : array_like (n,) or (samples, n)
-            The motion.
+        q : array_like (n,) or (samples, n), or Recording, path or DataFrame
+            Positions, rad or m; or a recording, whose positions are differentiated
+            after a filter that leaves out their noise.
+        dq, ddq : array_like, as `q`
+            Velocities and accelerations of a motion that is no recording.
         run : Run, optional
             The run of the estimates; by default the :attr:`model`, whose friction changes its sign smoothly.
 
         Returns
         -------
         ndarray, as `q`
-            Torques, N m or N.
+            Torques, N m or N; of a recording (samples, n). The filter disturbs the ends.
         """
         robot = self._robot()
         model = self.model if run is None else None
         scale = None if model is None else model.friction_transition
-        return robot.inverse_dynamics(q, dq, ddq, theta=self.standard_parameters(run=run), sign_velocity_scale=scale)
+        motion = _motion(robot, self._cutoff_hz, q, dq, ddq)
+        return _predicted(robot, self.standard_parameters(run=run), scale, motion)
+
+    def summary(self, *, run: Run | None = None, level: float = 0.95) -> Text:
+        """Verdict, reasons, and a table of estimates with standard deviations, t, p and intervals.
+
+        Parameters
+        ----------
+        run : Run, optional
+            The run that is shown; by default the recommended one, or all if none is recommended.
+        level : float
+            Probability of the intervals.
+        """
+        shown = self._recommended_run() if run is None else run
+        return result_summary(self, self.runs if shown is None else [shown], level_of(level, None))
+
+    def to_mujoco(self, model: Any, *, untrusted: bool = False) -> list[str]:
+        """Write the identified inertias, armatures, damping and friction losses into a compiled MuJoCo model.
+
+        Joints are found by their names; their axes must agree with those of the identified robot at the zero position. Bodies
+        that are fixed to a link become massless: the link's inertia includes them.
+
+        Parameters
+        ----------
+        model : mujoco.MjModel
+            The model, which is changed.
+        untrusted : bool
+            Whether results whose verdict is ``"do-not-use"`` are written.
+
+        Returns
+        -------
+        list of str
+            Remarks, such as what MuJoCo cannot represent.
+        """
+        from ._simulators import into_mujoco
+
+        return into_mujoco(self, model, untrusted)
+
+    def to_pinocchio(self, *, untrusted: bool = False) -> Any:
+        """The identified robot as a ``pinocchio.Model``, with armature, damping and friction. Needs Pinocchio
+        (``pip install pin``); continuous joints have two coordinates there.
+
+        Parameters
+        ----------
+        untrusted : bool
+            Whether results whose verdict is ``"do-not-use"`` are used.
+        """
+        from ._simulators import pinocchio_model
+
+        return pinocchio_model(self, untrusted)
 
     def standard_parameters(self, *, run: Run | None = None) -> Array:
         """Standard parameters: those of the model, or with the torques of a run's estimates, where regrouped ones are zero and
@@ -477,7 +610,7 @@ class Result:
 
     def plot_torques(self, *, run: Run | None = None) -> Figure:
         """Measured and predicted torques over time, joint by joint. Needs matplotlib (``pip install thetahat[plot]``)."""
-        from matplotlib.figure import Figure
+        from ._figures import rows_of_axes
 
         run = self.best if run is None else run
         if not len(run.time):
@@ -485,15 +618,13 @@ class Result:
         if not len(run.predicted):
             raise ResultsError(f"{run.method} has no estimate in the case {run.case}: {run.reason or run.status}")
         joints = run.measured.shape[1]
-        figure = Figure(figsize=(8.0, 1.0 + 1.8 * joints), layout="constrained")
-        axes = figure.subplots(joints, 1, sharex=True, squeeze=False)[:, 0]
+        figure, axes = rows_of_axes(joints)
         for joint, axis in enumerate(axes):
             axis.plot(run.time, run.measured[:, joint], label="measured", linewidth=1.0)
             axis.plot(run.time, run.predicted[:, joint], label=run.method, linewidth=1.0)
             described = self._data["robot_joints"][joint]
             axis.set_ylabel(f"{described['name']} [{'N m' if described['kind'] == 'revolute' else 'N'}]")
         axes[0].legend(loc="upper right")
-        axes[-1].set_xlabel("time [s]")
         return figure
 
     def __getitem__(self, key: str | tuple[str, str]) -> Run:
@@ -540,9 +671,36 @@ class Result:
         return Run(self._runs[number], (time, measured, predicted))
 
     def _robot(self) -> Robot:
-        if self._known_robot is None:
-            raise ResultsError("results of arrays that were read from results.json have no robot: pickle the result instead")
-        return self._known_robot
+        return _known(self._known_robot)
+
+    @property
+    def _cutoff_hz(self) -> float | None:
+        """Cut-off of the position filter."""
+        cutoff: float | None = (self._data.get("bandwidth") or {}).get("position_cutoff_hz")
+        return cutoff
+
+
+def _known(robot: Robot | None) -> Robot:
+    if robot is None:
+        raise ResultsError("results of arrays that were read from results.json have no robot: pickle the result instead")
+    return robot
+
+
+def _motion(
+    robot: Robot, cutoff_hz: float | None, q: ArrayLike | RecordingLike, dq: ArrayLike | None, ddq: ArrayLike | None
+) -> tuple[ArrayLike, ArrayLike, ArrayLike]:
+    """A motion as it is given, or of a recording."""
+    if dq is not None and ddq is not None:
+        return q, dq, ddq  # type: ignore[return-value]
+    if not is_recording_like(q):
+        raise TypeError("predict needs a recording, or q, dq and ddq: positions alone have no velocities and accelerations")
+    if cutoff_hz is None:
+        raise ResultsError("the results have no cut-off of the position filter: give q, dq and ddq")
+    return tuple(motion_of(one_recording(robot, q), cutoff_hz))  # type: ignore[return-value]
+
+
+def _predicted(robot: Robot, theta: Array, scale: float | None, motion: tuple[ArrayLike, ArrayLike, ArrayLike]) -> Array:
+    return robot.inverse_dynamics(*motion, theta=theta, sign_velocity_scale=scale)
 
 
 def _own_run(data: dict[str, Any]) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
@@ -12,11 +13,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _thetahat
+from ._arguments import described, is_path
 from ._arrays import Array, samples, states, vector
 from .errors import RobotError
 
 _Path = str | os.PathLike[str]
 _Columns = Literal["standard", "base"] | Sequence[str]
+
+
+_INERTIAL = re.compile(r"(xx|xy|xz|yy|yz|zz|mx|my|mz|m|ia|iam)\d+")
+"""Names of the parameters of bodies and rotors."""
 
 
 class BaseParameter(NamedTuple):
@@ -33,7 +39,7 @@ class BaseParameter(NamedTuple):
 class Robot:
     """A robot: a tree of revolute and prismatic joints with its transmission, friction model and a-priori parameters.
 
-    Make one with :meth:`from_urdf`, :meth:`from_toml`, :meth:`from_dh` or :meth:`from_text`. ``n`` is its number of
+    Make one with :meth:`from_urdf`, :meth:`from_mjcf`, :meth:`from_toml`, :meth:`from_dh` or :meth:`from_text`. ``n`` is its number of
     coordinates, the columns of all arrays; ``p`` its number of standard parameters.
     """
 
@@ -41,8 +47,8 @@ class Robot:
         self._native = native
 
     @classmethod
-    def from_urdf(cls, path: _Path, *, locked: Mapping[str, float] | None = None) -> Robot:
-        """Read a URDF (xacro expanded).
+    def from_file(cls, path: _Path, *, locked: Mapping[str, float] | None = None) -> Robot:
+        """Read a robot description of any format that thetahat reads.
 
         Parameters
         ----------
@@ -56,12 +62,28 @@ class Robot:
         RobotError
             With file, line and remedy.
         """
-        return cls(_thetahat.Robot.read(os.fspath(path), dict(locked or {})))
+        if not is_path(path):
+            raise TypeError(f"path must be the path of a robot description, and is {described(path)}")
+        text = os.fspath(path)
+        if "\n" in text or text.lstrip().startswith("<"):
+            raise RobotError("path is the text of a description, not the path of a file: use Robot.from_text")
+        return cls(_thetahat.Robot.read(text, dict(locked or {})))
+
+    @classmethod
+    def from_urdf(cls, path: _Path, *, locked: Mapping[str, float] | None = None) -> Robot:
+        """Read a URDF (xacro expanded). Parameters are those of :meth:`from_file`."""
+        return cls.from_file(path, locked=locked)
+
+    @classmethod
+    def from_mjcf(cls, path: _Path, *, locked: Mapping[str, float] | None = None) -> Robot:
+        """Read a MuJoCo model (MJCF): joints, inertias, armature, damping and friction loss. Parameters are those of
+        :meth:`from_file`."""
+        return cls.from_file(path, locked=locked)
 
     @classmethod
     def from_toml(cls, path: _Path, *, locked: Mapping[str, float] | None = None) -> Robot:
-        """Read a TOML description: Denavit-Hartenberg, or on top of a URDF. Parameters are those of :meth:`from_urdf`."""
-        return cls.from_urdf(path, locked=locked)
+        """Read a TOML description: Denavit-Hartenberg, or on top of a URDF. Parameters are those of :meth:`from_file`."""
+        return cls.from_file(path, locked=locked)
 
     @classmethod
     def from_text(cls, text: str, *, name: str = "robot", locked: Mapping[str, float] | None = None) -> Robot:
@@ -302,6 +324,48 @@ class Robot:
         masses = np.empty((q_.shape[0], self.n, self.n))
         self._native.mass_matrix(q_, self._theta(theta), masses)
         return masses[0] if single else masses
+
+    def rnea(self, q: ArrayLike, dq: ArrayLike, ddq: ArrayLike, *, theta: ArrayLike | None = None) -> Array:
+        """The torques of a motion by bodies and rotors alone: ``M(q) ddq + C(q, dq) dq + g(q)``, without friction, offsets and
+        torque terms. The mass matrix includes the inertias of the motors.
+
+        Parameters
+        ----------
+        q, dq, ddq : array_like (n,) or (samples, n)
+            Positions (rad or m), velocities and accelerations.
+        theta : array_like (p,), optional
+            Standard parameters; by default the a-priori ones.
+
+        Returns
+        -------
+        ndarray, as `q`
+            Torques, N m or N.
+
+        Examples
+        --------
+        >>> from thetahat import testing
+        >>> arm, state = testing.arm(), [0.1, 0.2]
+        >>> bool(np.allclose(arm.rnea(state, [0, 0], [1, 0]) - arm.gravity(state), arm.mass_matrix(state)[:, 0]))
+        True
+        """
+        single, motion = states(self.n, q=q, dq=dq, ddq=ddq)
+        tau = np.empty(motion[0].shape)
+        self._native.inverse_dynamics(motion, self._without_friction(theta), None, tau)
+        return tau[0] if single else tau
+
+    def gravity(self, q: ArrayLike, *, theta: ArrayLike | None = None) -> Array:
+        """The torques that hold the bodies at rest, ``g(q)``, N m or N; shapes as for :meth:`rnea`."""
+        rest = np.zeros(np.shape(q))
+        return self.rnea(q, rest, rest, theta=theta)
+
+    def coriolis(self, q: ArrayLike, dq: ArrayLike, *, theta: ArrayLike | None = None) -> Array:
+        """The Coriolis and centrifugal torques, ``C(q, dq) dq``, N m or N; shapes as for :meth:`rnea`."""
+        return self.rnea(q, dq, np.zeros(np.shape(q)), theta=theta) - self.gravity(q, theta=theta)
+
+    def _without_friction(self, theta: ArrayLike | None) -> Array:
+        """The parameters of bodies and rotors; those of friction, offsets and terms are zero."""
+        keeps = [_INERTIAL.fullmatch(name) is not None for name in self.parameter_names]
+        return np.where(keeps, self._theta(theta), 0.0)
 
     def joint_torques(self, drive_signals: ArrayLike) -> Array:
         """Joint torques (samples, n), N m or N, from the motors' drive signals: ``N^T (gain * u)``."""

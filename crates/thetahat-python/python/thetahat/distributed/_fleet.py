@@ -516,7 +516,7 @@ def _digest(session: Session) -> str:
 def _named(value: object) -> object:
     """The JSON form of a value that JSON does not support."""
     if isinstance(value, Recording):
-        return _recording_digest(value)
+        return value._digest()
     if isinstance(value, Controller):
         return value.settings()
     if isinstance(value, Mapping):
@@ -524,17 +524,6 @@ def _named(value: object) -> object:
     if isinstance(value, (np.ndarray, np.generic)):
         return value.tolist()
     raise TypeError(f"they hold a {type(value).__name__}; expected numbers, texts, lists, mappings, controllers and recordings")
-
-
-def _recording_digest(recording: Recording) -> str:
-    digest = hashlib.sha256()
-    for key, value in sorted(vars(recording).items()):
-        arrays = value if isinstance(value, dict) else {"": value}
-        for name, array in arrays.items():
-            is_array = isinstance(array, np.ndarray)
-            content = np.ascontiguousarray(array).tobytes() if is_array else repr(array).encode()
-            digest.update(f"{key} {name} {len(content)} {np.shape(array)}".encode() + content)
-    return digest.hexdigest()
 
 
 def _written(jobs: Sequence[_SessionPart], there: AbstractSet[str]) -> list[str]:

@@ -1,0 +1,82 @@
+"""The motion of a recording, for predictions of its torques sample by sample."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ._arrays import Array
+from .errors import RecordingError
+from .recording import Recording
+from .signal import Motion, band_pass
+
+_EVEN = 1e-3
+"""Largest deviation of a step from the others, as a part of it, of samples that count as equally spaced."""
+_SEGMENT_S = 2.0
+"""Length of the segments of which spectra are averaged."""
+_SHORTEST = 256
+"""Samples below which there is no useful spectrum."""
+_SIGNAL_TO_NOISE = 4.0
+"""Ratio of the powers of motion and noise down to which the motion is kept."""
+_WIDEST = 5.0
+"""Largest cut-off as a multiple of that of the identification: noise that the logger has filtered is not a flat floor."""
+_NYQUIST = 0.4
+"""Largest cut-off as a part of the sample rate."""
+
+
+def motion_of(recording: Recording, cutoff_hz: float) -> Motion:
+    """Positions, velocities and accelerations at the samples of a recording.
+
+    Each joint has the cut-off at which the spectrum of its position falls to the noise. An identification filters more, since
+    it may leave out what its parameters do not need; `cutoff_hz` is its cut-off.
+    """
+    if recording.sample_rate_hz is not None:
+        return _filtered(recording.position, recording.sample_rate_hz, cutoff_hz)
+    time = recording.times()
+    steps = np.diff(time)
+    if not len(steps) or np.any(steps <= 0):
+        raise RecordingError("the times of the recording do not increase; sort its samples and leave out repeated ones")
+    mean = float(time[-1] - time[0]) / len(steps)
+    if np.max(np.abs(steps - mean)) <= _EVEN * mean:
+        return _filtered(recording.position, 1.0 / mean, cutoff_hz)
+    return _resampled(time, recording.position, float(np.median(steps)), cutoff_hz)
+
+
+def _resampled(time: Array, position: Array, step: float, cutoff_hz: float) -> Motion:
+    """The motion by way of equal steps, back at the recorded times."""
+    even = np.arange(time[0], time[-1] + 0.5 * step, step)
+    motion = _filtered(_interpolated(even, time, position), 1.0 / step, cutoff_hz)
+    return Motion(*(_interpolated(time, even, array) for array in motion))
+
+
+def _interpolated(at: Array, time: Array, values: Array) -> Array:
+    return np.column_stack([np.interp(at, time, column) for column in values.T])
+
+
+def _filtered(position: Array, rate_hz: float, cutoff_hz: float) -> Motion:
+    joints = [band_pass(column, rate_hz, _cutoff(column, rate_hz, cutoff_hz)) for column in position.T]
+    return Motion(*(np.column_stack(arrays) for arrays in zip(*joints, strict=True)))
+
+
+def _cutoff(position: Array, rate_hz: float, cutoff_hz: float) -> float:
+    """Where the spectrum of a position first falls to its noise, the median of the upper half."""
+    if len(position) < _SHORTEST:
+        return cutoff_hz
+    frequency, power = _spectrum(position, rate_hz)
+    noise = np.median(power[len(power) // 2 :])
+    smooth = np.convolve(power, np.full(5, 0.2), "same")
+    peak = int(np.argmax(smooth))
+    below = np.nonzero(smooth[peak:] < (1.0 + _SIGNAL_TO_NOISE) * noise)[0]
+    crossing = frequency[peak + below[0]] if len(below) else frequency[-1]
+    return float(np.clip(crossing, 1.0, min(_WIDEST * cutoff_hz, _NYQUIST * rate_hz)))
+
+
+def _spectrum(position: Array, rate_hz: float) -> tuple[Array, Array]:
+    """Frequencies and the mean power of overlapping segments without their trend."""
+    length = min(len(position), max(_SHORTEST, round(_SEGMENT_S * rate_hz)))
+    starts = range(0, len(position) - length + 1, max(1, length // 2))
+    ramp, window = np.linspace(-1.0, 1.0, length), np.hanning(length)
+    power = np.zeros(length // 2 + 1)
+    for start in starts:
+        segment = position[start : start + length] - np.mean(position[start : start + length])
+        power += np.abs(np.fft.rfft(window * (segment - ramp * (ramp @ segment) / (ramp @ ramp)))) ** 2
+    return np.fft.rfftfreq(length, 1.0 / rate_hz), power / len(starts)
