@@ -169,7 +169,8 @@ impl RobotSource {
 
     fn read_as(&self, transmissions: urdf::Transmissions, locks: &[LocksOf<'_>]) -> Result<Robot, RobotError> {
         if !is_xml(&self.text) {
-            let below = self.urdf.as_ref().map(|(path, text)| toml_file::Below { path, text, origins: &self.origins });
+            let below =
+                self.urdf.as_ref().map(|(path, text)| toml_file::Underlying { path, text, origins: &self.origins });
             return toml_file::read(&self.text, &self.path, below, transmissions, locks);
         }
         let whole = match mjcf::is_mjcf(&self.text) {
