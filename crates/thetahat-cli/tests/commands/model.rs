@@ -119,8 +119,14 @@ fn what_cannot_be_used_is_refused_with_its_place() {
         &gripper.error(&["bad.urdf"]),
         &["bad.urdf, line 9", "<child> of <joint name=\"finger_left\">", "is `left` meant"],
     );
+    let argument = "<xacro:arg name=\"name\" default=\"\"/><link name";
+    let given = GRIPPER.replace("\"gripper\"", "\"$(arg name)\"").replacen("<link name", argument, 1);
+    gripper.0.write("given.xacro", given.replacen("<robot", "<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\"", 1));
     gripper.0.write("arm.xacro", GRIPPER.replace("\"gripper\"", "\"${name}\""));
-    has(&gripper.error(&["arm.xacro"]), &["xacro arm.xacro > robot.urdf"]);
+    has(&gripper.error(&["arm.xacro"]), &["arm.xacro", "no property `name` is defined here"]);
+    let expanded = gripper.text(&["given.xacro", "--xacro-arg", "name:=gripper", "--expand", "expanded.urdf"]);
+    has(&expanded, &["written: expanded.urdf"]);
+    has(&gripper.text(&["expanded.urdf"]), &["robot         gripper"]);
     gripper.0.write("bad.toml", "urdf = \"gripper.urdf\"\n[parameters]\nzz9 = 1\n");
     has(&gripper.error(&["bad.toml", "--json"]), &["bad.toml", "zz9"]);
 }

@@ -6,7 +6,7 @@
 use realfft::RealFftPlanner;
 use thetahat_ground::linear_algebra::dot;
 
-use super::{Sandwich, block::Block, lagged::add_lagged_products, sandwich::squares};
+use super::{Sandwich, block::Block, sandwich::squares};
 use crate::regression::RowLayout;
 
 /// Recordings, over those whose autocorrelation at some lag counts as one after a period by chance.
@@ -36,9 +36,11 @@ pub(super) struct RepeatedErrors {
 impl Sandwich<'_> {
     /// The variance that repeated errors add; none where the residual does not show that they repeat.
     ///
-    /// With phases `p` of the period, `a_p` the sum of a over its rows of one phase and `gamma_P(l)` the covariance of errors whose
-    /// phases are l apart, in different periods, it is `sum_l gamma_P(l) sum_p a_p a_(p + l)` without the products inside of one
-    /// period.
+    /// With phases `p` of the period and sums over pairs of different periods, of the influence `A_l(p) = sum a(t) a(t')` and of the
+    /// residual `E_l(p) = sum e(t) e(t')` with t of phase p and t' of phase p + l, and their number `N_l(p)`, it is
+    /// `sum_p sum_l w(l) A_l(p) E_l(p) / N_l(p)`: errors that are large at some phases count there (as H. White, 1980, in time).
+    /// `w` are Bartlett's weights of [`Sandwich::newey_west`] for one period; lag zero alone counts where it gives more, as a fit takes
+    /// slow errors from its residual.
     pub(super) fn repeated(&self, blocks: &[Block], leverage: &[f64]) -> Option<RepeatedErrors> {
         let repetitions = repetitions(self.rows, self.residual);
         let shortest = repetitions.iter().map(|r| r.period).min_by(f64::total_cmp)?;
@@ -46,8 +48,8 @@ impl Sandwich<'_> {
         for (block, place) in blocks.iter().zip(self.rows.blocks()) {
             let Some(found) = repetitions.iter().find(|r| r.stretch == place.stretch) else { continue };
             let leverage: f64 = leverage[block.rows.clone()].iter().sum();
-            let covariance = found.covariance(block, &self.residual[block.rows.clone()], leverage);
-            let of_column = |i: usize| found.variance(&covariance, &block.part_of(self.influence.column(i)));
+            let covariances = found.covariances(&self.residual[block.rows.clone()], &block.ones(), leverage);
+            let of_column = |i: usize| found.variance(&covariances, &block.part_of(self.influence.column(i)));
             variances.iter_mut().enumerate().for_each(|(i, v)| *v += of_column(i));
         }
         let variances = variances.into_iter().map(|v| v.max(0.0)).collect();
@@ -174,19 +176,51 @@ fn products_at_lags(x: &[f64]) -> Vec<f64> {
 }
 
 impl Repetition {
-    /// `gamma_P(l)` from lag zero: the autocovariance of the block, times the part of it that repeats. At its own lags the products
-    /// of other periods would lack what the fit takes from the slow errors, in which the parameters lie.
-    fn covariance(&self, block: &Block, residual: &[f64], leverage: f64) -> Vec<f64> {
-        let part = self.repeated_part(residual, &block.ones());
+    /// The mean product of residuals of each phase and of the phase l later, in different periods, by l.
+    fn covariances(&self, residual: &[f64], shares: &[f64], leverage: f64) -> Vec<Vec<f64>> {
         // The fit takes its part of the errors in each phase.
-        let left = (1.0 - leverage / self.period).max(0.5) / (1.0 - leverage / residual.len() as f64).max(0.5);
-        let lags = block.covariance.len().min((0.5 * self.period) as usize + 1);
-        block.covariance[..lags].iter().map(|g| part / left * g).collect()
+        let left = (1.0 - leverage / self.period).max(0.5);
+        let lags = ((4.0 * (self.period / 100.0).powf(2.0 / 9.0)) as usize + 1).min((0.5 * self.period) as usize);
+        let of_lag = |lag: usize| {
+            let [products, pairs] = [residual, shares].map(|x| self.of_phases(x, lag));
+            products.iter().zip(pairs).map(|(p, n)| if n > 0.5 { p / n / left } else { 0.0 }).collect()
+        };
+        (0..lags.max(1)).map(of_lag).collect()
+    }
+
+    fn variance(&self, covariances: &[Vec<f64>], a: &[f64]) -> f64 {
+        let of_lag = |(lag, covariance): (usize, &Vec<f64>)| dot(&self.of_phases(a, lag), covariance);
+        let lags: Vec<f64> = covariances.iter().enumerate().map(of_lag).collect();
+        let weight = |lag: usize| 2.0 * (1.0 - lag as f64 / lags.len() as f64);
+        let all: f64 = lags[0] + (1..lags.len()).map(|lag| weight(lag) * lags[lag]).sum::<f64>();
+        all.max(lags[0])
+    }
+
+    /// The phases of rows, and how many there are.
+    fn phase(&self, row: usize) -> usize {
+        (row as f64).rem_euclid(self.period).round() as usize % self.phases()
+    }
+
+    fn phases(&self) -> usize {
+        self.period.ceil() as usize
+    }
+
+    /// `sum x(t) x(t')` over pairs of different periods, t' a lag later in phase, by the phase of t.
+    fn of_phases(&self, x: &[f64], lag: usize) -> Vec<f64> {
+        let phases = self.phases();
+        let mut folded = vec![0.0; phases];
+        let mut own = vec![0.0; phases];
+        for (t, value) in x.iter().enumerate() {
+            folded[self.phase(t)] += value;
+            own[self.phase(t)] += value * x.get(t + lag).copied().unwrap_or(0.0);
+        }
+        (0..phases).map(|p| folded[p] * folded[(p + lag) % phases] - own[p]).collect()
     }
 
     /// The part of the variance that repeats.
     fn repeated_part(&self, residual: &[f64], shares: &[f64]) -> f64 {
-        let repeated = self.of_other_periods(residual, 1)[0] / self.of_other_periods(shares, 1)[0].max(1.0);
+        let total = |x: &[f64]| self.of_phases(x, 0).iter().sum::<f64>();
+        let repeated = total(residual) / total(shares).max(1.0);
         let all = squares(residual) / squares(shares).max(1.0);
         if all > 0.0 { (repeated / all).clamp(0.0, 1.0) } else { 0.0 }
     }
@@ -195,20 +229,6 @@ impl Repetition {
         let products = self.of_other_periods(a, covariance.len());
         let sum = |skip: usize| products.iter().zip(covariance).skip(skip).map(|(a, g)| a * g).sum::<f64>();
         sum(0) + sum(1)
-    }
-
-    /// `sum x(t) x(t')` over pairs of different periods whose phases are l apart, both ways.
-    fn of_other_periods(&self, x: &[f64], lags: usize) -> Vec<f64> {
-        let phases = self.period.ceil() as usize;
-        let mut folded = vec![0.0; phases];
-        for (t, x) in x.iter().enumerate() {
-            let phase = (t as f64).rem_euclid(self.period).round() as usize;
-            folded[phase % phases] += x;
-        }
-        let mut own = vec![0.0; lags];
-        add_lagged_products(x, x, &mut own);
-        let around = |l: usize| (0..phases).map(|p| folded[p] * folded[(p + l) % phases]).sum::<f64>();
-        own.into_iter().enumerate().map(|(l, own)| around(l) - own).collect()
     }
 }
 
@@ -289,8 +309,8 @@ mod tests {
     #[test]
     fn the_products_of_other_periods_are_those_of_the_definition() {
         let x: Vec<f64> = (0..23).map(|k| f64::from(k * k % 11) - 4.0).collect();
-        let found = Repetition { stretch: 0, period: 7.0 }.of_other_periods(&x, 3);
-        for (l, found) in found.into_iter().enumerate() {
+        for l in 0..3 {
+            let found: f64 = Repetition { stretch: 0, period: 7.0 }.of_phases(&x, l).iter().sum();
             let mut expected = 0.0;
             for (t, a) in x.iter().enumerate() {
                 for (s, b) in x.iter().enumerate() {

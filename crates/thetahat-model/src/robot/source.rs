@@ -173,7 +173,7 @@ impl RobotSource {
         let shown = |path: &Path| if self.is_expanded { expanded_name(path) } else { path.to_owned() };
         if !is_xml(&self.text) {
             let names = self.urdf.as_ref().map(|(path, text)| (shown(path), text));
-            let below = names.as_ref().map(|(path, text)| toml_file::Below { path, text, origins: &self.origins });
+            let below = names.as_ref().map(|(path, text)| toml_file::Underlying { path, text, origins: &self.origins });
             return toml_file::read(&self.text, &self.path, below, transmissions, locks);
         }
         let whole = match mjcf::is_mjcf(&self.text) {

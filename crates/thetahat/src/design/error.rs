@@ -27,7 +27,7 @@ pub enum DesignError {
     },
     /// A limit is neither in the design nor in the robot's description.
     #[error(
-        "{}: joint {joint} has no limit of {quantity}: give [limits] {quantity}, since {} states none",
+        "{}: joint {joint} has no limit of {quantity}: give [limits] {quantity}, since {} states {states}",
         path.display(),
         robot.display()
     )]
@@ -40,6 +40,8 @@ pub enum DesignError {
         joint: String,
         /// The quantity.
         quantity: &'static str,
+        /// What the description states: `none`, or `0`, which is no limit.
+        states: &'static str,
     },
     /// Limits of a joint exclude one another.
     #[error("{}: [limits] {quantity} of joint {joint} runs from {lower:.4} to {upper:.4} {unit}: {remedy}", path.display())]

@@ -13,6 +13,8 @@ pub(super) fn add(path: &Path, format: Format, topic: Option<&str>, topics: &mut
         Format::Mcap => mcap::read(path, topic, topics),
         Format::Ros1 => ros1::read(path, topic, topics),
         Format::Db3 => db3::read(path, topic, topics),
-        Format::Metadata | Format::Csv | Format::Npy | Format::Npz | Format::Mat | Format::Hdf5 | Format::Parquet => Ok(()),
+        Format::Metadata | Format::Csv | Format::Npy | Format::Npz | Format::Mat | Format::Hdf5 | Format::Parquet => {
+            Ok(())
+        }
     }
 }

@@ -16,7 +16,10 @@ pub fn examine_robot(robot: &Robot) -> Vec<Finding> {
         joint_name: None,
         value: doubt.value,
         unit: doubt.unit.to_owned(),
-        limit: Some(0.0),
+        limit: match doubt.grade {
+            DoubtGrade::Impossible => Some(0.0),
+            DoubtGrade::Note => None,
+        },
         message: format!("{}: {}", doubt.place, doubt.what),
         remedy: doubt.remedy.to_owned(),
         parameters: Vec::new(),

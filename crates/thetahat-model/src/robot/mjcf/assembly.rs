@@ -7,7 +7,7 @@ use super::{
     compiler::Settings,
     element::Element,
     error::MjcfError,
-    inertia::{Lump, lump_of},
+    inertia::{MassProperties, mass_properties_of},
     joint::Moving,
     world::World,
 };
@@ -28,7 +28,7 @@ pub(super) struct Assembly<'a> {
     /// Bodies with a free joint, which are fixed.
     pub(super) free: Vec<Element<'a>>,
     /// Mass and inertia of each moving body, as the model states them.
-    pub(super) lumps: Vec<(Element<'a>, Lump)>,
+    pub(super) masses: Vec<(Element<'a>, MassProperties)>,
 }
 
 /// The joint that carries a body, none for the world, and the body's frame in that of the joint's link.
@@ -41,7 +41,7 @@ pub(super) struct BodyPlace {
 impl<'a> Assembly<'a> {
     pub(super) fn of(world: &World<'a>, settings: &Settings, classes: &Classes<'a>) -> Result<Self, MjcfError> {
         let (joints, moving, links) = (Vec::new(), Vec::new(), Vec::new());
-        let mut assembly = Self { joints, moving, links, places: Vec::new(), free: Vec::new(), lumps: Vec::new() };
+        let mut assembly = Self { joints, moving, links, places: Vec::new(), free: Vec::new(), masses: Vec::new() };
         for body in &world.bodies {
             let parent = body.parent.map(|parent| assembly.places[parent]);
             let BodyPlace { carrier, frame } = parent.unwrap_or(BodyPlace { carrier: None, frame: Frame::SAME });
@@ -124,15 +124,16 @@ impl<'a> Assembly<'a> {
     fn weigh(&mut self, world: &World<'a>, settings: &Settings, classes: &Classes<'a>) -> Result<(), MjcfError> {
         let counts = |place: &BodyPlace| place.carrier.is_some() || settings.total_mass.is_some();
         let bodies = world.bodies.iter().zip(&self.places).filter(|(_, place)| counts(place));
-        let lumps = bodies.map(|(body, place)| Ok((body.element, *place, lump_of(body, settings, classes)?)));
-        let lumps = lumps.collect::<Result<Vec<_>, MjcfError>>()?;
-        let total: f64 = lumps.iter().map(|(_, _, lump)| lump.mass).sum();
+        let masses =
+            bodies.map(|(body, place)| Ok((body.element, *place, mass_properties_of(body, settings, classes)?)));
+        let masses = masses.collect::<Result<Vec<_>, MjcfError>>()?;
+        let total: f64 = masses.iter().map(|(_, _, properties)| properties.mass).sum();
         let factor =
             settings.total_mass.filter(|wanted| *wanted > 0.0 && total > 0.0).map_or(1.0, |wanted| wanted / total);
-        for (element, place, lump) in lumps {
+        for (element, place, properties) in masses {
             let Some(carrier) = place.carrier else { continue };
-            self.links[carrier].absorb(&lump.scaled(factor).body().seen_in(&place.frame));
-            self.lumps.push((element, lump));
+            self.links[carrier].absorb(&properties.scaled(factor).body().seen_in(&place.frame));
+            self.masses.push((element, properties));
         }
         Ok(())
     }

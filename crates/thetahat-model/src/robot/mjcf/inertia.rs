@@ -15,13 +15,13 @@ use thetahat_ground::vector::{IDENTITY, Mat3, scale};
 
 /// A mass with its centre, and the inertia about it in the axes of the body.
 #[derive(Clone, Copy)]
-pub(super) struct Lump {
+pub(super) struct MassProperties {
     pub(super) mass: f64,
     pub(super) centre: [f64; 3],
     pub(super) inertia: Mat3,
 }
 
-impl Lump {
+impl MassProperties {
     const NOTHING: Self = Self { mass: 0.0, centre: [0.0; 3], inertia: [[0.0; 3]; 3] };
 
     /// Of a body with a mass.
@@ -62,7 +62,11 @@ fn balanced([a, b, c]: [f64; 3]) -> [f64; 3] {
 }
 
 /// The mass of a body.
-pub(super) fn lump_of<'a>(body: &Body<'a>, settings: &Settings, classes: &Classes<'a>) -> Result<Lump, MjcfError> {
+pub(super) fn mass_properties_of<'a>(
+    body: &Body<'a>,
+    settings: &Settings,
+    classes: &Classes<'a>,
+) -> Result<MassProperties, MjcfError> {
     let from_geoms = match settings.from_geoms {
         FromGeoms::Always => true,
         FromGeoms::Never => false,
@@ -73,8 +77,8 @@ pub(super) fn lump_of<'a>(body: &Body<'a>, settings: &Settings, classes: &Classe
         // Geoms without mass replace no <inertial>.
         Some(inertial) if of_geoms.m == 0.0 => stated(&inertial, settings)?,
         // MuJoCo places the mass that a bound gives to an empty body as if the body's pose were that of its inertia.
-        None if of_geoms.m == 0.0 => Lump { centre: body.frame.origin, ..Lump::NOTHING },
-        Some(_) | None => Lump::of(&of_geoms),
+        None if of_geoms.m == 0.0 => MassProperties { centre: body.frame.origin, ..MassProperties::NOTHING },
+        Some(_) | None => MassProperties::of(&of_geoms),
     };
     Ok(found.within_bounds(settings))
 }
@@ -95,7 +99,7 @@ fn of_geoms<'a>(body: &Body<'a>, settings: &Settings, classes: &Classes<'a>) -> 
 }
 
 /// The `<inertial>` of a body.
-fn stated(part: &Part<'_>, settings: &Settings) -> Result<Lump, MjcfError> {
+fn stated(part: &Part<'_>, settings: &Settings) -> Result<MassProperties, MjcfError> {
     let element = part.element;
     let mass = element.required("mass", "give it, or leave out the whole <inertial>")?.number()?;
     let inertial = Properties::own(element);
@@ -111,7 +115,7 @@ fn stated(part: &Part<'_>, settings: &Settings) -> Result<Lump, MjcfError> {
     let frame = part.frame.then(&settings.frame(&inertial)?);
     let body = RigidBody { m: mass, ms: [0.0; 3], inertia };
     let turned = body.seen_in(&Frame { origin: [0.0; 3], ..frame }).inertia;
-    Ok(Lump { mass, centre: frame.origin, inertia: turned })
+    Ok(MassProperties { mass, centre: frame.origin, inertia: turned })
 }
 
 fn of_full(full: Attribute<'_>, inertial: &Properties<'_>) -> Result<Mat3, MjcfError> {

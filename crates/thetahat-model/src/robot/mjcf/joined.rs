@@ -64,13 +64,13 @@ pub(in crate::robot) fn join(text: String, path: &Path, read: ReadText<'_>) -> R
     let mut joiner = Joiner { folder, read, text: joined, origins, open: Vec::new(), bytes: 0 };
     joiner.open.extend(files::real(path).ok());
     joiner.origins.files.push((path.to_owned(), text.clone()));
-    joiner.append(text.trim_start_matches('\u{feff}'), path, Part::Whole)?;
+    joiner.append(text.trim_start_matches('\u{feff}'), path, Extent::Whole)?;
     Ok((joiner.text, joiner.origins))
 }
 
 /// How much of a file is used.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Part {
+enum Extent {
     Whole,
     /// What its root element holds.
     Content,
@@ -88,10 +88,10 @@ struct Joiner<'r> {
 }
 
 impl Joiner<'_> {
-    fn append(&mut self, text: &str, path: &Path, part: Part) -> Result<(), RobotError> {
+    fn append(&mut self, text: &str, path: &Path, extent: Extent) -> Result<(), RobotError> {
         self.spend(text.len(), path)?;
         let document = parse_xml(text, path).map_err(MjcfError::from)?;
-        let range = if part == Part::Whole { 0..text.len() } else { content(&document) };
+        let range = if extent == Extent::Whole { 0..text.len() } else { content(&document) };
         let lines = |range: Range<usize>| text[range].matches('\n').count();
         let (mut at, mut line) = (range.start, 1 + lines(0..range.start));
         for include in document.descendants().filter(|node| node.has_tag_name("include")) {
@@ -139,7 +139,7 @@ impl Joiner<'_> {
         let text = (self.read)(&target)?;
         self.origins.files.push((target.clone(), text.clone()));
         self.open.extend(real.clone());
-        self.append(text.trim_start_matches('\u{feff}'), &target, Part::Content)?;
+        self.append(text.trim_start_matches('\u{feff}'), &target, Extent::Content)?;
         self.open.truncate(self.open.len() - usize::from(real.is_some()));
         Ok(())
     }

@@ -6,7 +6,7 @@ use super::{
     classes::{Classes, MAIN},
     element::{Element, elements_of},
     error::MjcfError,
-    inertia::Lump,
+    inertia::MassProperties,
     world::World,
 };
 use crate::robot::{
@@ -54,12 +54,16 @@ impl Omission {
 impl<'a> Noted<'_, 'a> {
     pub(super) fn doubts(&self) -> Result<Vec<Doubt>, MjcfError> {
         let mut doubts: Vec<Doubt> = self.omissions()?.into_iter().filter_map(|(kind, of)| kind.note(&of)).collect();
-        let of_bodies = self.assembly.lumps.iter().filter_map(|(element, lump)| of_body(*element, lump));
+        let of_bodies = self.assembly.masses.iter().filter_map(|(element, properties)| of_body(*element, properties));
         doubts.extend(of_bodies.take(MOST_DOUBTS));
         let joints = self.assembly.joints.iter().zip(&self.assembly.moving);
         doubts.extend(joints.flat_map(|(joint, moving)| {
-            let values =
-                [("damping", moving.damping[0]), ("frictionloss", moving.friction), ("armature", moving.armature)];
+            let values = [
+                ("damping", moving.damping[0]),
+                ("frictionloss", moving.friction),
+                ("armature", moving.armature),
+                ("stiffness", moving.stiffness[0]),
+            ];
             of_joint(joint, moving.element, values)
         }));
         Ok(doubts)
@@ -158,18 +162,18 @@ const FLUID: Omission = Omission {
     remedy: "set density and viscosity of <option> to zero, or add their torques as a [[term]]",
 };
 
-fn of_body(element: Element<'_>, lump: &Lump) -> Option<Doubt> {
+fn of_body(element: Element<'_>, properties: &MassProperties) -> Option<Doubt> {
     let doubt = |what: String, value, unit, remedy| {
         let grade = DoubtGrade::Impossible;
         Some(Doubt { grade, place: element.place().to_string(), what, value, unit, remedy })
     };
-    let body = RigidBody { m: lump.mass, ms: [0.0; 3], inertia: lump.inertia };
-    let is_heavy = lump.inertia.as_flattened().iter().any(|entry| *entry != 0.0);
-    if lump.mass < 0.0 {
+    let body = RigidBody { m: properties.mass, ms: [0.0; 3], inertia: properties.inertia };
+    let is_heavy = properties.inertia.as_flattened().iter().any(|entry| *entry != 0.0);
+    if properties.mass < 0.0 {
         let remedy = "give the mass of the body; it is the start of iterations and what estimates are compared with";
-        return doubt(format!("a mass of {} kg, below zero", lump.mass), lump.mass, "kg", remedy);
+        return doubt(format!("a mass of {} kg, below zero", properties.mass), properties.mass, "kg", remedy);
     }
-    if lump.mass == 0.0 {
+    if properties.mass == 0.0 {
         let remedy = "give the mass, or leave out the <inertial>";
         return is_heavy.then(|| doubt("inertia without a mass".to_owned(), 0.0, "kg", remedy)).flatten();
     }
@@ -185,10 +189,10 @@ fn of_body(element: Element<'_>, lump: &Lump) -> Option<Doubt> {
     doubt(what, a, "kg m^2", "give the inertia about the centre of mass, or balanceinertia=\"true\" to <compiler>")
 }
 
-fn of_joint(joint: &Joint, element: Element<'_>, values: [(&'static str, f64); 3]) -> Vec<Doubt> {
+fn of_joint(joint: &Joint, element: Element<'_>, values: [(&'static str, f64); 4]) -> Vec<Doubt> {
     let units = match joint.kind {
-        JointKind::Revolute => ["N m s/rad", "N m", "kg m^2"],
-        JointKind::Prismatic => ["N s/m", "N", "kg"],
+        JointKind::Revolute => ["N m s/rad", "N m", "kg m^2", "N m/rad"],
+        JointKind::Prismatic => ["N s/m", "N", "kg", "N/m"],
     };
     let below = values.into_iter().zip(units).filter(|((_, value), _)| *value < 0.0);
     let doubt = |((key, value), unit): ((&str, f64), &'static str)| Doubt {

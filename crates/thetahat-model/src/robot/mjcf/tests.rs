@@ -136,6 +136,7 @@ fn what_a_robot_cannot_hold_is_noted() {
     noted("mass=\"2\"", "mass=\"-2\"", &["line 13", "a mass of -2 kg"]);
     noted("diaginertia=\"0.2 0.3 0.1\"", "diaginertia=\"0.2 0.7 0.1\"", &["principal inertias"]);
     noted("frictionloss=\"0.4\"", "frictionloss=\"-0.4\"", &["frictionloss of -0.4 N m", "below zero"]);
+    noted("type=\"slide\"", "type=\"slide\" stiffness=\"-3\"", &["stiffness of -3 N/m", "below zero"]);
 }
 
 #[test]

@@ -9,7 +9,7 @@ mod reader;
 mod transmission;
 
 pub(super) use embedding::{Urdf, has_embedded_urdf, urdf_of, with_embedded_urdf};
-pub(super) use reader::{Below, read};
+pub(super) use reader::{Underlying, read};
 
 #[cfg(test)]
 mod tests;

@@ -12,7 +12,7 @@ const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 /// The URDF or MJCF that a TOML stands on.
 #[derive(Clone, Copy)]
-pub(in crate::robot) struct Below<'a> {
+pub(in crate::robot) struct Underlying<'a> {
     pub(in crate::robot) path: &'a Path,
     pub(in crate::robot) text: &'a str,
     /// The files of an MJCF.
@@ -24,7 +24,7 @@ pub(in crate::robot) struct Below<'a> {
 pub(in crate::robot) fn read(
     text: &str,
     path: &Path,
-    below: Option<Below<'_>>,
+    below: Option<Underlying<'_>>,
     transmissions: urdf::Transmissions,
     stated: &[LocksOf<'_>],
 ) -> Result<Robot, RobotError> {
@@ -69,7 +69,7 @@ impl Reader<'_> {
     fn on_file(
         &self,
         file: &RobotFile,
-        below: &Below<'_>,
+        below: &Underlying<'_>,
         transmissions: urdf::Transmissions,
         locks: &[LocksOf<'_>],
     ) -> Result<Robot, RobotError> {

@@ -75,7 +75,9 @@ impl Design {
         let options = &self.file.limits;
         let si = |value: f64| joint.kind.to_si(value);
         let given = |list: &Option<OneOrEach<f64>>| list.as_ref().map(|list| *list.of(number));
+        let is_zero = |quantity| quantity == Limited::Velocity.name() && joint.limits.velocity == Some(0.0);
         let missing = |quantity| DesignError::NoLimit {
+            states: if is_zero(quantity) { "0" } else { "none" },
             path: self.path.clone(),
             robot: self.robot_path.clone(),
             joint: joint.name.clone(),
