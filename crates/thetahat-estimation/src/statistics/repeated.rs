@@ -224,12 +224,6 @@ impl Repetition {
         let all = squares(residual) / squares(shares).max(1.0);
         if all > 0.0 { (repeated / all).clamp(0.0, 1.0) } else { 0.0 }
     }
-
-    fn variance(&self, covariance: &[f64], a: &[f64]) -> f64 {
-        let products = self.of_other_periods(a, covariance.len());
-        let sum = |skip: usize| products.iter().zip(covariance).skip(skip).map(|(a, g)| a * g).sum::<f64>();
-        sum(0) + sum(1)
-    }
 }
 
 #[cfg(test)]
