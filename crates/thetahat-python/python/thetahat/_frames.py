@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 _FILE = "dataframe.npz"
 _TIME_WORDS = re.compile(r"(^|_)(time|t|stamp|timestamp|date|datetime|clock)(_|$)")
+_ISO = re.compile(r"\d{4}-\d{2}-\d{2}")
 _WORDS = {
     "pos": "position",
     "vel": "velocity",
@@ -142,9 +143,10 @@ def _kind(values: Any) -> str:
 
 def _dates(values: Any) -> Any:
     try:
-        return pandas.to_datetime(values.astype(object))
+        # Texts of a date leave out a fraction of zero: their formats differ.
+        return pandas.to_datetime(values.astype(object), format="ISO8601" if _ISO.match(values.iloc[0]) else None)
     except (ValueError, TypeError) as error:
-        raise RecordingError(f"the column {values.name} is text, and not a date: {error}") from error
+        raise RecordingError(f"the column {values.name} is text, and not a date: {str(error).splitlines()[0]}") from error
 
 
 def _seconds(values: Any) -> Array:

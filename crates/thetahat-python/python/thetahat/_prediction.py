@@ -79,4 +79,4 @@ def _spectrum(position: Array, rate_hz: float) -> tuple[Array, Array]:
     for start in starts:
         segment = position[start : start + length] - np.mean(position[start : start + length])
         power += np.abs(np.fft.rfft(window * (segment - ramp * (ramp @ segment) / (ramp @ ramp)))) ** 2
-    return np.fft.rfftfreq(length, 1.0 / rate_hz), power / len(starts)
+    return np.asarray(np.fft.rfftfreq(length, 1.0 / rate_hz), dtype=np.float64), power / len(starts)
