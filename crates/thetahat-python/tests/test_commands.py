@@ -67,7 +67,7 @@ def test_motions_are_designed():
     np.testing.assert_allclose(np.gradient(designed.position, step, axis=0)[5:-5], designed.velocity[5:-5], atol=0.05)
     with pytest.raises(TypeError, match="design must be the path"):
         th.design(3)
-    with pytest.raises(th.CommandError, match=r"^design\.toml: .*noise"):
+    with pytest.raises(th.CommandError, match=r"(?s)^design\.toml: .*noise"):
         th.design({"duration_s": 3}, robot=th.testing.arm())
 
 

@@ -42,6 +42,7 @@ def same(log):
         {"position": "position_{joint}", "torque": "effort_{joint}"},
         {"position": "{joint}.position", "torque": "{joint}.effort"},
         {"position": "{joint} Pos (rad)", "torque": "{joint} Trq (Nm)"},
+        {"position": "{joint}Position", "torque": "{joint}Torque"},
         {"time": "t"},
     ],
 )
@@ -77,6 +78,33 @@ def test_columns_of_arrays_have_a_column_for_each_joint(robot):
         th.Recording.from_dataframe(ragged, robot=robot)
 
 
+def test_joint_states_of_ros_are_in_the_order_of_their_names(robot):
+    seconds = np.floor(T).astype(int)
+    table = pandas.DataFrame({
+        "header.stamp.sec": seconds + 1_700_000_000,
+        "header.stamp.nanosec": np.round((T - seconds) * 1e9).astype(int),
+        "name": [["elbow", "shoulder"]] * N,
+        "position": list(Q[:, ::-1]),
+        "effort": list(TAU[:, ::-1]),
+    })
+    same(th.Recording.from_dataframe(table, robot=robot))
+    table.at[3, "name"] = ["shoulder", "elbow"]
+    with pytest.raises(th.RecordingError, match="names in column name change"):
+        th.Recording.from_dataframe(table, robot=robot)
+
+
+def test_levels_of_columns_are_joined(robot):
+    parts = {joint: pandas.DataFrame({"position": Q[:, k], "effort": TAU[:, k]}) for k, joint in enumerate(["shoulder", "elbow"])}
+    same(th.Recording.from_dataframe(pandas.concat({"time": pandas.DataFrame({"": T}), **parts}, axis=1), robot=robot))
+
+
+def test_rows_without_a_time_are_refused(robot):
+    table = frame()
+    table.loc[7, "time_s"] = np.nan
+    with pytest.raises(th.RecordingError, match="time_s has no value in row 7"):
+        th.Recording.from_dataframe(table, robot=robot)
+
+
 def test_columns_can_be_named_and_frames_given_to_identify(robot, twin):
     table = frame(position="{joint}_x", torque="{joint}_y").assign(note="text")
     position, torque = ["shoulder_x", "elbow_x"], ["shoulder_y", "elbow_y"]
@@ -95,7 +123,7 @@ def test_what_is_no_recording_is_refused(robot):
         th.Recording.from_dataframe(3, robot=robot)
     with pytest.raises(th.RecordingError, match="no rows"):
         th.Recording.from_dataframe(frame()[:0], robot=robot)
-    with pytest.raises(th.RecordingError, match="columns of the position"):
+    with pytest.raises(th.RecordingError, match="^the frame: the columns of the position"):
         th.Recording.from_dataframe(pandas.DataFrame({"time": T, "a": T, "b": T}), robot=robot)
 
 

@@ -104,7 +104,7 @@ def test_coarse_encoders_do_not_spoil_predictions(twin):
 def test_positions_alone_are_no_motion(result):
     with pytest.raises(TypeError, match="needs a recording, or q, dq and ddq"):
         result.predict([0.0, 0.0])
-    with pytest.raises(ValueError, match="has 1 joints and the robot has 2"):
+    with pytest.raises(ValueError, match="number of channels is 1, expected 2"):
         result.predict(th.Recording(sample_rate_hz=1000, position=np.zeros(500)))
 
 
