@@ -120,8 +120,9 @@ def arrays_of(frame: Any) -> dict[str, Array]:
 def _require_times(arrays: dict[str, Array]) -> None:
     """Refuse rows without a time."""
     for name, array in arrays.items():
-        missing = np.nonzero(np.isnan(array))[0] if array.ndim == 1 and _TIME_WORDS.search(_plain(name)) else []
-        if len(missing):
+        is_time = array.ndim == 1 and _TIME_WORDS.search(_plain(name)) is not None
+        missing = np.nonzero(np.isnan(array))[0]
+        if is_time and len(missing):
             raise RecordingError(f"{name} has no value in row {missing[0]}; leave out such rows: frame.dropna()")
 
 
