@@ -101,6 +101,18 @@ def test_coarse_encoders_do_not_spoil_predictions(twin):
     assert relative(result.predict(coarse.recording), coarse.motion.torque) < 0.01
 
 
+def test_peaks_of_the_torque_are_predicted(result):
+    robot, rate = result.robot, 1000
+    moving = th.testing.reference(2, 8, rate)
+    reference = moving * np.minimum(1.0, np.arange(8 * rate) / (2 * rate))[:, np.newaxis]
+    motion = th.simulate(robot, reference, rate, controller=th.PD(bandwidth_hz=10, velocity_feed_forward=1))
+    noise = np.random.default_rng(0).normal(0, 1e-6, motion.position.shape)
+    log = th.Recording(sample_rate_hz=rate, position=motion.position + noise, torque=motion.torque)
+    predicted = result.predict(log)
+    # The velocity of the reference jumps at 2 s: with one cut-off the error is 3.0 %, here 1.7 %.
+    assert relative(predicted, motion.torque) < 0.022
+
+
 def test_positions_alone_are_no_motion(result):
     with pytest.raises(TypeError, match="needs a recording, or q, dq and ddq"):
         result.predict([0.0, 0.0])
