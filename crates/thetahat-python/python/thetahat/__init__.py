@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 
 from . import errors, pinocchio, testing
 from ._estimators import Regression
+from ._filter_choice import Filter
 from ._thetahat import VERSION as __version__
 from .commands import (
     Designed,
@@ -58,7 +59,7 @@ from .errors import (
     ThetahatError,
 )
 from .estimation import Fit, estimate, measurement_vector, observation_matrix
-from .identification import Filter, choose_filter, identify, run
+from .identification import choose_filter, identify, run
 from .recording import Recording, read, read_all
 from .results import Advice, Model, ModelParameter, Parameter, Result, Run
 from .robot import BaseParameter, Robot

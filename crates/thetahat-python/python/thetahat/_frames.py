@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 _FILE = "dataframe.npz"
 _TIME_WORDS = re.compile(r"(^|_)(time|t|stamp|timestamp|date|datetime|clock)(_|$)")
+_ISO = re.compile(r"\d{4}-\d{2}-\d{2}")
 _WORDS = {
     "pos": "position",
     "vel": "velocity",
@@ -37,23 +38,44 @@ _WORDS = {
 
 def recording_of(frame: Any, robot: Robot, columns: dict[str, Any], name: str) -> Recording:
     """The recording in a frame, whose columns the reader of files recognises."""
-    from .recording import read_files
-
     arrays = arrays_of(frame)
     named = [*columns["position"], *columns["torque"], *([columns["time"]] if columns["time"] else [])]
     absent = [column for column in named if column not in arrays]
     if absent:
         raise RecordingError(f"the frame has no numeric column {absent[0]}; it has {' '.join(arrays)}")
-    if not named:
-        arrays = _in_full_words(arrays)
-    with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, _FILE)
-        _write(path, arrays)
-        found = read_files(robot, [path], columns)
+    found = _recognised(arrays, robot, columns)
     if len(found) != 1:
         raise RecordingError(f"the frame contains {len(found)} recordings; give the columns of one")
     found[0].name = name
     return found[0]
+
+
+def _recognised(arrays: dict[str, Array], robot: Robot, columns: dict[str, Any]) -> list[Recording]:
+    """The recordings of the columns; if their names are not recognised, of names in full words."""
+    try:
+        return _read(arrays, robot, columns)
+    except RecordingError:
+        full = _in_full_words(arrays)
+        if columns["position"] or columns["torque"] or columns["time"] or list(full) == list(arrays):
+            raise
+        try:
+            return _read(full, robot, columns)
+        except RecordingError:
+            pass
+        # The error with the names of the caller.
+        raise
+
+
+def _read(arrays: dict[str, Array], robot: Robot, columns: dict[str, Any]) -> list[Recording]:
+    from .recording import read_files
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, _FILE)
+        _write(path, arrays)
+        try:
+            return read_files(robot, [path], columns)
+        except RecordingError as error:
+            raise RecordingError(str(error).replace(path, "the frame").replace(_FILE, "the frame")) from None
 
 
 def frame_of(recording: Recording) -> pandas.DataFrame:
@@ -82,6 +104,7 @@ def arrays_of(frame: Any) -> dict[str, Array]:
         frame = frame.to_pandas()
     if not len(frame):
         raise RecordingError("the frame has no rows")
+    frame = _with_stamp(frame)
     arrays: dict[str, Array] = {}
     for column in _with_index(frame).items():
         key, values = _column(*column)
@@ -90,17 +113,60 @@ def arrays_of(frame: Any) -> dict[str, Array]:
         if key in arrays:
             raise RecordingError(f"the frame has several columns {key}")
         arrays[key] = values
-    return arrays
+    _require_times(arrays)
+    return _by_names(arrays, _joint_names(frame))
+
+
+def _require_times(arrays: dict[str, Array]) -> None:
+    """Refuse rows without a time."""
+    for name, array in arrays.items():
+        is_time = array.ndim == 1 and _TIME_WORDS.search(_plain(name)) is not None
+        missing = np.nonzero(np.isnan(array))[0]
+        if is_time and len(missing):
+            raise RecordingError(f"{name} has no value in row {missing[0]}; leave out such rows: frame.dropna()")
+
+
+def _joint_names(frame: pandas.DataFrame) -> list[str]:
+    """The names in a column that has all names in each row, as in joint states of ROS; empty if there is none."""
+    for column, values in frame.items():
+        first = values.iloc[0]
+        if isinstance(first, (list, tuple, np.ndarray)) and len(first) and all(isinstance(name, str) for name in first):
+            if any(list(row) != list(first) for row in values):
+                raise RecordingError(f"the names in column {_name(column)} change from row to row; sort the arrays of each row by them")
+            return list(first)
+    return []
+
+
+def _by_names(arrays: dict[str, Array], names: list[str]) -> dict[str, Array]:
+    """The columns, those of arrays split by the names of their entries."""
+    if not names:
+        return arrays
+    split: dict[str, Array] = {}
+    for key, array in arrays.items():
+        is_of_joints = array.ndim == 2 and array.shape[1] == len(names)
+        split |= {f"{name}_{key}": array[:, k] for k, name in enumerate(names)} if is_of_joints else {key: array}
+    return split
+
+
+def _with_stamp(frame: pandas.DataFrame) -> pandas.DataFrame:
+    """The frame, with the seconds and nanoseconds of a ROS header as one time."""
+    parts = {re.sub(r"^.*stamp_(sec|nanosec|secs|nsecs)$", r"\1", _plain(_name(column))): column for column in frame.columns}
+    for whole, rest in (("sec", "nanosec"), ("secs", "nsecs")):
+        if whole in parts and rest in parts:
+            seconds = frame[parts[whole]] - frame[parts[whole]].iloc[0] + 1e-9 * frame[parts[rest]]
+            return frame.drop(columns=[parts[whole], parts[rest]]).assign(time_s=seconds)
+    return frame
 
 
 def _with_index(frame: pandas.DataFrame) -> pandas.DataFrame:
     """The frame, with its index as a column if that is a time and no column is."""
     names = [_name(column) for column in frame.columns]
     index = frame.index
-    is_time = isinstance(index, (pandas.DatetimeIndex, pandas.TimedeltaIndex)) or bool(
-        index.name is not None and _TIME_WORDS.search(str(index.name).lower())
+    # Numbers of rows are no time.
+    is_time = isinstance(index, (pandas.DatetimeIndex, pandas.TimedeltaIndex)) or (
+        pandas.api.types.is_float_dtype(index.dtype) if index.name is None else bool(_TIME_WORDS.search(str(index.name).lower()))
     )
-    if not is_time or any(_TIME_WORDS.search(name.lower()) for name in names):
+    if not is_time or any(_TIME_WORDS.search(_plain(name)) for name in names):
         return frame
     return frame.reset_index(names=str(index.name or "time"))
 
@@ -110,10 +176,15 @@ def _name(column: Hashable) -> str:
     return "_".join(str(level) for level in column if str(level)) if isinstance(column, tuple) else str(column)
 
 
+def _plain(name: str) -> str:
+    """A name in lower case with underscores between its words."""
+    return re.sub(r"[^\w\[\]]+", "_", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name)).lower()
+
+
 def _column(column: Hashable, values: Any) -> tuple[str, Array | None]:
     """The name of a column and its numbers, or None if it has none."""
     name, kind = _name(column), _kind(values)
-    if kind == "text" and _TIME_WORDS.search(name.lower()):
+    if kind == "text" and _TIME_WORDS.search(_plain(name)):
         values, kind = _dates(values), "date"
     if kind == "date":
         return _seconds_name(name), _seconds(values - values.iloc[0])
@@ -142,9 +213,10 @@ def _kind(values: Any) -> str:
 
 def _dates(values: Any) -> Any:
     try:
-        return pandas.to_datetime(values.astype(object))
+        # Texts of a date leave out a fraction of zero: their formats differ.
+        return pandas.to_datetime(values.astype(object), format="ISO8601" if _ISO.match(values.iloc[0]) else None)
     except (ValueError, TypeError) as error:
-        raise RecordingError(f"the column {values.name} is text, and not a date: {error}") from error
+        raise RecordingError(f"the column {values.name} is text, and not a date: {str(error).splitlines()[0]}") from error
 
 
 def _seconds(values: Any) -> Array:
@@ -176,10 +248,7 @@ def _in_full_words(arrays: dict[str, Array]) -> dict[str, Array]:
 
 
 def _full(name: str) -> str:
-    if re.fullmatch(r"\w+(\[\d+\])?", name) and not set(name.lower().split("_")) & set(_WORDS):
-        return name
-    parts = re.split(r"[^\w\[\]]+|_", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name))
-    return "_".join(_WORDS.get(part.lower(), part.lower()) for part in parts if part)
+    return "_".join(_WORDS.get(part, part) for part in _plain(name).split("_") if part)
 
 
 def _write(path: str, arrays: dict[str, Array]) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeGuard, Union
 import numpy as np
 
 from ._arguments import described, is_path
-from .errors import RecordingError
+from .errors import RecordingError, SettingsError
 from .recording import Recording, read_all
 from .robot import Robot
 
@@ -80,10 +80,11 @@ def _expected(name: str, value: object) -> str:
 
 
 def _require_joints(robot: Robot, recording: Recording) -> None:
+    """Refuse a recording of another robot in the words of the library, before a filter is chosen."""
     joints = recording.position.shape[1]
     if joints != robot.n:
         name = f" {recording.name}" if recording.name else ""
-        raise RecordingError(
-            f"the recording{name} has {joints} joints and the robot has {robot.n} ({', '.join(robot.joints)}): position and torque "
-            "need a column for each joint; joints that do not move are locked when the robot is read, locked={...}"
+        raise SettingsError(
+            f"recording{name}, position: number of channels is {joints}, expected {robot.n}, one for each joint of the robot "
+            f"({', '.join(robot.joints)}); joints that do not move are locked when the robot is read: locked={{...}}"
         )

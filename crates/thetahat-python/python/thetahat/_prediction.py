@@ -18,16 +18,22 @@ _SHORTEST = 256
 _SIGNAL_TO_NOISE = 4.0
 """Ratio of the powers of motion and noise down to which the motion is kept."""
 _WIDEST = 5.0
-"""Largest cut-off as a multiple of that of the identification: noise that the logger has filtered is not a flat floor."""
+"""Largest cut-off as a multiple of the cut-off of the identification: noise that the logger has filtered is not a flat floor."""
 _NYQUIST = 0.4
 """Largest cut-off as a part of the sample rate."""
+
+_WIDER = 2.0
+"""Factor of the cut-off where the motion jumps."""
+_JUMP = 6.0
+"""Standard deviations of the difference of both accelerations beyond which a motion jumps."""
 
 
 def motion_of(recording: Recording, cutoff_hz: float) -> Motion:
     """Positions, velocities and accelerations at the samples of a recording.
 
     Each joint has the cut-off at which the spectrum of its position falls to the noise. An identification filters more, since
-    it may leave out what its parameters do not need; `cutoff_hz` is its cut-off.
+    it may leave out what its parameters do not need; `cutoff_hz` is its cut-off. Around jumps of the acceleration, which stand
+    out of the noise at a wider cut-off, that one is used: otherwise the peak of the torque there would be spread.
     """
     if recording.sample_rate_hz is not None:
         return _filtered(recording.position, recording.sample_rate_hz, cutoff_hz)
@@ -53,8 +59,21 @@ def _interpolated(at: Array, time: Array, values: Array) -> Array:
 
 
 def _filtered(position: Array, rate_hz: float, cutoff_hz: float) -> Motion:
-    joints = [band_pass(column, rate_hz, _cutoff(column, rate_hz, cutoff_hz)) for column in position.T]
+    joints = [_of_joint(column, rate_hz, _cutoff(column, rate_hz, cutoff_hz)) for column in position.T]
     return Motion(*(np.column_stack(arrays) for arrays in zip(*joints, strict=True)))
+
+
+def _of_joint(position: Array, rate_hz: float, cutoff_hz: float) -> list[Array]:
+    """Position, velocity and acceleration of a joint, with a wider filter around jumps."""
+    narrow = band_pass(position, rate_hz, cutoff_hz)
+    wide = band_pass(position, rate_hz, min(_WIDER * cutoff_hz, _NYQUIST * rate_hz))
+    difference = np.abs(wide.acceleration - narrow.acceleration)[:, 0]
+    # A quantile, not the variance, which the jumps themselves increase.
+    deviation = np.quantile(difference, 0.95) / 1.96
+    reach = max(1, round(0.5 * rate_hz / cutoff_hz))
+    count = np.convolve(difference > _JUMP * deviation, np.ones(2 * reach + 1))
+    jumps = count[reach : reach + len(difference)] > 0.5
+    return [np.where(jumps, w[:, 0], n[:, 0]) for w, n in zip(wide, narrow, strict=True)]
 
 
 def _cutoff(position: Array, rate_hz: float, cutoff_hz: float) -> float:
@@ -79,4 +98,4 @@ def _spectrum(position: Array, rate_hz: float) -> tuple[Array, Array]:
     for start in starts:
         segment = position[start : start + length] - np.mean(position[start : start + length])
         power += np.abs(np.fft.rfft(window * (segment - ramp * (ramp @ segment) / (ramp @ ramp)))) ** 2
-    return np.fft.rfftfreq(length, 1.0 / rate_hz), power / len(starts)
+    return np.asarray(np.fft.rfftfreq(length, 1.0 / rate_hz), dtype=np.float64), power / len(starts)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import tempfile
 from typing import TYPE_CHECKING, Any
@@ -17,10 +18,16 @@ _TOLERANCE = 1e-4
 """Largest difference of axes (rad) and anchors (m) of the same joint in two models."""
 
 
+def _module(name: str, package: str) -> Any:
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        raise ImportError(f"{name} is not installed: pip install {package}") from error
+
+
 def pinocchio_model(result: Result, untrusted: bool) -> Any:
     """A model of Pinocchio: kinematics from the exported URDF, inertias, rotors and friction of the result."""
-    import pinocchio
-
+    pinocchio = _module("pinocchio", "pin")
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "robot.urdf")
         result.export(path, untrusted=untrusted)
@@ -34,7 +41,6 @@ def pinocchio_model(result: Result, untrusted: bool) -> Any:
             continue
         for attribute, quantity in (("armature", "ia"), ("rotorInertia", "ia"), ("damping", "fv"), ("friction", "fc")):
             _set(model, attribute, place, values.get(f"{quantity}{joint['number']}"))
-    # A rotor counts once: Pinocchio adds armature, and only keeps the inertia of rotors.
     return model
 
 
@@ -46,8 +52,7 @@ def _set(model: Any, attribute: str, place: int, value: float | None) -> None:
 
 def into_mujoco(result: Result, model: Any, untrusted: bool) -> list[str]:
     """Write the result into a compiled model of MuJoCo; returns the remarks of the export."""
-    import mujoco
-
+    mujoco = _module("mujoco", "mujoco")
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "robot.xml")
         remarks = result.export(path, "mjcf", untrusted=untrusted)

@@ -145,14 +145,15 @@ def design(
         file = design if is_path(design) else _design_file(design, robot, folder)
         target = folder / "out" if out is None else Path(out)
         text = run("design", file, *options(out=target, threads=threads, force=force)).text
-        time, *motion = _trajectory(target / "trajectory.csv")
+        time, position, velocity, acceleration = _trajectory(target / "trajectory.csv")
         predicted = {row["predicted"]: float(row["half_width_95"]) for row in _rows(target / "predicted.csv")}
-    return Designed(time[:, 0], *motion, predicted, Text(text if out is not None else text.partition("\nwritten:")[0]))
+    shown = Text(text if out is not None else text.partition("\nwritten:")[0])
+    return Designed(time[:, 0], position, velocity, acceleration, predicted, shown)
 
 
 def _design_file(design: Any, robot: RobotLike | None, folder: Path) -> Path:
     require("design", design, Mapping, "the path of a design file, or a mapping with its keys")
-    known = robot_of(design.get("robot") if robot is None else robot)  # type: ignore[arg-type]
+    known = robot_of(design.get("robot") if robot is None else robot)
     table = {"title": known.name, **design, "robot": robot_file(known, folder).name}
     if locked_of(known):
         table["locked"] = locked_of(known)
