@@ -237,7 +237,7 @@ fn doubled_column() {
         "record.csv",
         "\"q1\"",
         "2 times",
-        "line 1",
+        "q1#2",
     ]);
 }
 

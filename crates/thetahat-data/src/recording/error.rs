@@ -171,7 +171,9 @@ pub enum RecordingError {
     },
 
     /// The file has several columns of the requested name.
-    #[error("{file}: column {column:?} occurs {found} times; give each column its own name")]
+    #[error(
+        "{file}: column {column:?} occurs {found} times; name the one that is meant {column}#1, {column}#2 ..., or give each column its own name"
+    )]
     AmbiguousColumn {
         /// The file.
         file: PathBuf,

@@ -102,7 +102,10 @@ fn without_name<'a>(
     asked: &str,
     path: &Path,
 ) -> Result<Option<&'a Column>, RecordingError> {
-    let mut columns = table.columns.iter().filter(|column| is_other_spelling(asked, &column.name));
+    let is_repeated =
+        |name: &str| name.strip_prefix(asked).and_then(|rest| rest.strip_prefix('#')).is_some_and(is_number);
+    let is_asked = |column: &&Column| is_other_spelling(asked, &column.name) || is_repeated(&column.name);
+    let mut columns = table.columns.iter().filter(is_asked);
     match (columns.next(), columns.count()) {
         (Some(column), 0) => return Ok(Some(column)),
         (Some(_), others) => {
@@ -113,6 +116,10 @@ fn without_name<'a>(
     }
     let number = asked.parse::<usize>().ok().filter(|_| format.holds() == Holds::Lines);
     Ok(number.and_then(|number| table.columns.get(number.checked_sub(1)?)))
+}
+
+fn is_number(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit())
 }
 
 /// The only column of a name; none if there is none.

@@ -34,7 +34,7 @@ fn with_groups(groups: &[String], names: &[String]) -> Vec<String> {
     joined
 }
 
-/// A column without a name has its number, from 1; the second of one name is `name#2`.
+/// A column without a name has its number, from 1; those of one name are `name#1`, `name#2` and so on: the name alone says not which.
 fn each_different(names: &[String]) -> Vec<String> {
     let number = |(name, number): (&String, usize)| match name.is_empty() {
         false => name.clone(),
@@ -42,10 +42,12 @@ fn each_different(names: &[String]) -> Vec<String> {
         true => number.to_string(),
     };
     let numbered: Vec<String> = names.iter().zip(1..).map(number).collect();
+    let mut all = HashMap::<String, usize>::new();
+    numbered.iter().for_each(|name| *all.entry(name.clone()).or_insert(0) += 1);
     let mut seen = HashMap::<String, usize>::new();
     let different = |name: String| {
         let count = seen.entry(name.clone()).and_modify(|count| *count += 1).or_insert(1);
-        if *count == 1 { name } else { format!("{name}#{count}") }
+        if all[&name] == 1 { name } else { format!("{name}#{count}") }
     };
     numbered.into_iter().map(different).collect()
 }
@@ -66,7 +68,7 @@ mod tests {
 
     #[test]
     fn repeated_and_missing_names_are_numbered() {
-        assert_eq!(each_different(&strings(&["tau", "", "tau", "tau"])), ["tau", "2", "tau#2", "tau#3"]);
+        assert_eq!(each_different(&strings(&["tau", "", "tau", "tau"])), ["tau#1", "2", "tau#2", "tau#3"]);
         assert_eq!(each_different(&strings(&["", "0", "1"])), ["column 1", "0", "1"]);
     }
 

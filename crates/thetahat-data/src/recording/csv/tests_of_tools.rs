@@ -137,7 +137,7 @@ fn units_below_the_names() {
 
 #[test]
 fn repeated_names_have_numbers_or_the_names_of_their_groups() {
-    assert_eq!(columns("t,tau1,tau1\n0,1,2\n", "['tau1#2', 'tau1']"), [2.0, 1.0]);
+    assert_eq!(columns("t,tau1,tau1\n0,1,2\n", "['tau1#2', 'tau1#1']"), [2.0, 1.0]);
     assert_eq!(names_in(";Position;;Torque;\nt;j1;j2;j1;j2\n0;1;2;3;4\n1;1;2;3;4\n")[3], "Torque j1");
     // The index of a table of pandas has no name.
     assert_eq!(columns(",t,q\n0,0.5,1\n1,1.5,2\n", "['1', 'q']"), [0.0, 1.0, 1.0, 2.0]);
