@@ -29,7 +29,7 @@ const STANDARD_ERRORS: f64 = 2.0;
 /// X of the axis of EMPS, which comes to rest in each of its periods, is wrong there by the noise of the position in the same way
 /// each time.
 fn repeats(twin: &Twin, method: &str) -> bool {
-    twin.name == "EMPS" && method.starts_with("IDIM-IV")
+    twin.name == "EMPS" && method.to_ascii_lowercase().starts_with("idim-iv")
 }
 
 /// `measured_every`: seeds with errors in X take long on the TX40. `through`: methods whose X through the filters is exact enough.
