@@ -34,7 +34,7 @@ pub(super) struct RepeatedErrors {
 }
 
 impl Sandwich<'_> {
-    /// The variance that repeated errors add; none where the residual does not show that they repeat.
+    /// The variance that repeated errors add; none if the residual does not show that they repeat.
     ///
     /// With phases `p` of the period and sums over pairs of different periods, of the influence `A_l(p) = sum a(t) a(t')` and of the
     /// residual `E_l(p) = sum e(t) e(t')` with t of phase p and t' of phase p + l, and their number `N_l(p)`, it is

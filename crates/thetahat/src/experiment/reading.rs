@@ -214,7 +214,7 @@ fn read_other_channels(
     description.channels.iter().map(read).collect()
 }
 
-/// The recorded times in s; none where a rate is stated.
+/// The recorded times in s; none if a rate is stated.
 fn read_times(
     description: &RecordingDescription,
     data: &Path,

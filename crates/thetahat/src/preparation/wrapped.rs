@@ -6,7 +6,7 @@ use thetahat_ground::series::Series;
 
 /// Part of a turn from which a step between two samples may be a wrap.
 const JUMP: f64 = 0.75;
-/// Largest other step: a motion that goes further between two samples cannot be told from a wrap.
+/// Largest other step: a motion that goes further between two samples cannot be distinguished from a wrap.
 const LARGEST_STEP: f64 = 0.25 * TAU;
 /// By how many of the largest other steps a wrap may differ from a whole turn.
 const STEPS: f64 = 2.0;

@@ -245,18 +245,6 @@ impl Identification {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_time_left_follows_from_what_is_done() {
-        assert_eq!(time_left(4.0, 2, 6), ", about 8 s left");
-        assert_eq!(time_left(0.1, 5, 6), ", about 1 s left");
-        assert_eq!((time_left(4.0, 0, 6), time_left(4.0, 6, 6)), (String::new(), String::new()));
-    }
-}
-
 /// Error of simulated positions, percent, below which the simulated loop explains how far the motion is from its reference.
 const REPRODUCED_PERCENT: f64 = 2.0;
 
@@ -277,4 +265,16 @@ fn with_tracking_explained(mut findings: Vec<RecordingFindings>) -> Vec<Recordin
         finding.remedy = "nothing to do: the controller is soft".to_owned();
     }
     findings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_left_follows_from_what_is_done() {
+        assert_eq!(time_left(4.0, 2, 6), ", about 8 s left");
+        assert_eq!(time_left(0.1, 5, 6), ", about 1 s left");
+        assert_eq!((time_left(4.0, 0, 6), time_left(4.0, 6, 6)), (String::new(), String::new()));
+    }
 }

@@ -23,7 +23,7 @@ const SIGNIFICANT: f64 = 8.0;
 /// Part of the unexpected step of all joints that a jump in time must explain: an outlier of one joint does not.
 const EXPLAINED: f64 = 0.8;
 /// Part of a jump that the steps before and after it may have: where a motion turns round, all of them deviate from its smoothed velocity.
-const BESIDE: f64 = 0.5;
+const NEXT_TO: f64 = 0.5;
 /// Part of the steps that are zero from which a joint that moves is quantised, whatever its steps are.
 const MANY_ZEROS: f64 = 0.2;
 /// Samples around a jump within which an outlier returns.
@@ -183,7 +183,7 @@ impl StepErrors {
             let around = k.saturating_sub(AROUND)..(k + AROUND + 1).min(self.steps.len());
             self.steps[around].iter().map(|s| s.samples).sum::<f64>()
         };
-        let beside = |k: usize| {
+        let next_to = |k: usize| {
             let next = [k.checked_sub(1), (k + 1 < self.steps.len()).then_some(k + 1)];
             next.into_iter().flatten().map(|k| self.steps[k].samples).fold(0.0, f64::max)
         };
@@ -194,7 +194,7 @@ impl StepErrors {
                 && !self.follows_repeat[k]
                 && explained > EXPLAINED
                 && lasting(k) > JUMP
-                && beside(k) < BESIDE * samples
+                && next_to(k) < NEXT_TO * samples
         };
         (0..self.steps.len()).filter(jump).collect()
     }

@@ -4,7 +4,7 @@ use super::{super::column_names, error::ProposalError, offer::Offer, source::Sou
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Group {
     pub(super) position: usize,
-    /// None where no file has torques, and one has a reference.
+    /// None if no file has torques, and one has a reference.
     pub(super) torque: Option<usize>,
     /// Files with velocities, references or times.
     pub(super) others: Vec<usize>,

@@ -100,7 +100,7 @@ impl Residual {
         statistic.is_finite().then_some(Evidence { log10_p, size, coefficients, error_percent })
     }
 
-    /// What one column explains, by an instrument z: `z^T rest / z^T c`. None where they are not alike.
+    /// What one column explains, by an instrument z: `z^T rest / z^T c`. None if they are not alike.
     fn by_instrument(&self, column: &[f64], z: &[f64]) -> Option<Evidence> {
         let (length, along) = (norm(z), dot(z, column));
         if along < STRONG * length * norm(column) {
