@@ -40,6 +40,9 @@ const NEIGHBOURS: f64 = 0.8;
 /// Rows per parameter that a chosen filter keeps if the recording has them: with fewer, chance decides which motions they contain,
 /// and a twin with slightly different parameters does not predict the errors.
 const ROWS_PER_PARAMETER: f64 = 10.0;
+/// Cut-off of the position filter over the frequency of the motion, below which it takes part of the motion (Brunot and others, section
+/// V-A): a twin may favour that by chance, where static friction hides the rest.
+const PASSED: f64 = 5.0;
 /// Longest part of a recording from which a twin is made, in samples.
 const LONGEST: usize = 40_000;
 
@@ -166,7 +169,11 @@ impl<'a> Study<'a> {
         let sample_rate_hz = self.recording.sample_rate_hz;
         let dynamics_hz = self.dynamics_hz();
         let first = for_dynamics(dynamics_hz, sample_rate_hz);
-        let grid = self.with_rows(FilterGrid::around(dynamics_hz, sample_rate_hz).filters);
+        let passing =
+            |f: &Filter| f.cutoff_hz >= first.cutoff_hz.min(PASSED * dynamics_hz) && f.decimation <= first.decimation;
+        let around = FilterGrid::around(dynamics_hz, sample_rate_hz).filters;
+        let passing: Vec<Filter> = around.iter().filter(|f| passing(f)).copied().collect();
+        let grid = self.with_rows(if passing.is_empty() { around } else { passing });
         let filters: Vec<Filter> = grid.into_iter().chain(own).collect();
         let of_grid = 0..filters.len() - own.iter().len();
         let mut errors = self.relative_errors(&self.twin(first, first)?, &filters, threads);

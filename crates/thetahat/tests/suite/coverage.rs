@@ -25,9 +25,8 @@ const TOLERANCE: f64 = 0.02;
 /// Standard errors of the pooled coverage that come on top for fewer seeds.
 const STANDARD_ERRORS: f64 = 2.0;
 
-/// Whether the residual repeats with the motion though the estimates do not suffer: the intervals count such errors, and are too wide.
-/// X of the axis of EMPS, which comes to rest in each of its periods, is wrong there by the noise of the position in the same way
-/// each time.
+/// Whether the residual repeats with the motion and the estimates do not suffer from it: intervals count what repeats, and are too
+/// wide then (`docs/evidence/coverage.md`).
 fn repeats(twin: &Twin, method: &str) -> bool {
     twin.name == "EMPS" && method.to_ascii_lowercase().starts_with("idim-iv")
 }
