@@ -386,8 +386,9 @@ def test_a_fleet_finds_drift_and_the_robot_that_differs(tmp_path):
     drift = found.drifting[0].estimate
     assert drift.low < 0.1 < drift.high and drift.high - drift.low < 0.1
     assert "fc2" in found.differing and "fv1" in found.changing
-    farthest = min(found.deviations, key=lambda deviation: deviation.estimate.p_value)
-    assert (farthest.robot, farthest.name) == ("R2", "fc2") and 0.05 < farthest.estimate.value < 0.15
+    # The robot that drifts differs from the others too.
+    far = {(d.robot, d.name): d.estimate for d in found.deviations if d.estimate.p_value < 1e-3}
+    assert 0.05 < far["R2", "fc2"].value < 0.15
     told = []
     again = distributed.fleet(sessions_of(change=change), tmp_path, progress=told.append)
     assert told == ["12 of 12 sessions"] and again.to_json() == found.to_json()
