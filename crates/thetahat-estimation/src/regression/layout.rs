@@ -1,4 +1,4 @@
-use std::ops::Range;
+use std::{borrow::Cow, ops::Range};
 
 use thetahat_ground::linear_algebra::Matrix;
 
@@ -70,6 +70,13 @@ impl RowLayout {
     #[must_use]
     pub fn shares(&self, rows: Range<usize>) -> Option<&[f64]> {
         self.shares.as_ref().map(|shares| &shares[rows])
+    }
+
+    /// The same, or ones without a mask.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn shares_or_ones(&self, rows: Range<usize>) -> Cow<'_, [f64]> {
+        self.shares(rows.clone()).map_or_else(|| vec![1.0; rows.len()].into(), Cow::Borrowed)
     }
 
     /// Whether there is a mask.

@@ -54,11 +54,6 @@ impl Block {
         }
     }
 
-    /// The part of each row that a mask leaves.
-    pub(super) fn ones(&self) -> Cow<'_, [f64]> {
-        self.shares.as_deref().map_or_else(|| vec![1.0; self.rows.len()].into(), Cow::Borrowed)
-    }
-
     /// The number of rows that the masks leave in both blocks, `sum_t m_a(t) m_b(t)`.
     pub(super) fn counted_with(&self, other: &Self) -> f64 {
         match (&self.shares, &other.shares) {

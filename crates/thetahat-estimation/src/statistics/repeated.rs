@@ -48,7 +48,8 @@ impl Sandwich<'_> {
         for (block, place) in blocks.iter().zip(self.rows.blocks()) {
             let Some(found) = repetitions.iter().find(|r| r.stretch == place.stretch) else { continue };
             let leverage: f64 = leverage[block.rows.clone()].iter().sum();
-            let covariances = found.covariances(&self.residual[block.rows.clone()], &block.ones(), leverage);
+            let shares = self.rows.shares_or_ones(block.rows.clone());
+            let covariances = found.covariances(&self.residual[block.rows.clone()], &shares, leverage);
             let of_column = |i: usize| found.variance(&covariances, &block.part_of(self.influence.column(i)));
             variances.iter_mut().enumerate().for_each(|(i, v)| *v += of_column(i));
         }
@@ -66,8 +67,8 @@ pub fn repeated_widening(layout: &RowLayout, residual: &[f64]) -> Vec<f64> {
     for block in layout.blocks() {
         let Some(repetition) = found.iter().find(|r| r.stretch == block.stretch) else { continue };
         let e = &residual[block.rows.clone()];
-        let ones = layout.shares(block.rows.clone()).map_or_else(|| vec![1.0; e.len()], <[f64]>::to_vec);
-        let of_block = 1.0 + (e.len() as f64 / repetition.period - 1.0) * repetition.repeated_part(e, &ones);
+        let shares = layout.shares_or_ones(block.rows.clone());
+        let of_block = 1.0 + (e.len() as f64 / repetition.period - 1.0) * repetition.repeated_part(e, &shares);
         let of_joint = &mut widening[block.joint];
         *of_joint = of_joint.max(of_block);
     }
@@ -83,11 +84,10 @@ fn repetitions(layout: &RowLayout, residual: &[f64]) -> Vec<Repetition> {
 fn repetition(layout: &RowLayout, residual: &[f64], stretch: usize) -> Option<Repetition> {
     let blocks: Vec<std::ops::Range<usize>> =
         layout.blocks().iter().filter(|b| b.stretch == stretch).map(|b| b.rows.clone()).collect();
-    let of_joint = |rows: std::ops::Range<usize>| {
-        let ones = vec![1.0; rows.len()];
-        Autocorrelation::new(&residual[rows.clone()], layout.shares(rows).unwrap_or(&ones))
+    let of_joint = |rows: &std::ops::Range<usize>| {
+        Autocorrelation::new(&residual[rows.clone()], &layout.shares_or_ones(rows.clone()))
     };
-    let joints: Vec<Autocorrelation> = blocks.iter().cloned().filter_map(of_joint).collect();
+    let joints: Vec<Autocorrelation> = blocks.iter().filter_map(of_joint).collect();
     let count = joints.iter().map(|j| j.values.len()).min()?;
     let mean = |l: usize| joints.iter().map(|j| j.values[l]).sum::<f64>() / joints.len() as f64;
     let values: Vec<f64> = (0..count).map(mean).collect();
@@ -95,8 +95,9 @@ fn repetition(layout: &RowLayout, residual: &[f64], stretch: usize) -> Option<Re
     let variance = |l: usize| joints.iter().map(|j| j.wide / j.pairs[l]).fold(0.0, f64::max) / independent;
     let deviations = (2.0 * (BY_CHANCE * count as f64).ln()).sqrt();
     let shows = |l: usize| values[l] > deviations * variance(l).sqrt();
-    // Errors that fade slowly are correlated up to their first change of sign.
-    let first = values.iter().position(|r| *r <= 0.0)?;
+    // Errors that fade slowly are correlated up to their first change of sign, and those of filtered rows over a few rows more: the
+    // window of [`Sandwich::stationary`], of at least the root of n rows, holds these.
+    let first = values.iter().position(|r| *r <= 0.0)?.max((count as f64).sqrt() as usize);
     let enough = |l: &usize| joints.iter().all(|j| j.pairs[*l] >= FEWEST_PAIRS * j.pairs[0]);
     let peaks: Vec<usize> = (first..count - 1)
         .filter(enough)
@@ -298,6 +299,15 @@ mod tests {
         let found = repeated_widening(&layout, &residual)[0];
         assert!((found / 5.5 - 1.0).abs() < 0.15, "{found}");
         assert_eq!(repeated_widening(&layout, &noise), [1.0]);
+    }
+
+    #[test]
+    fn rows_that_a_filter_correlates_do_not_repeat() {
+        let mut random = ChaCha8Rng::seed_from_u64(11);
+        let noise = white(&mut random, 1307);
+        // A filter that rings: neighbours of three rows are alike.
+        let residual: Vec<f64> = noise.windows(7).map(|w| w[3] - 0.4 * (w[2] + w[4]) + 0.3 * (w[0] + w[6])).collect();
+        assert!(repetition(&RowLayout::new(1, &[residual.len()]), &residual, 0).is_none());
     }
 
     #[test]

@@ -50,6 +50,8 @@ const TORQUE: [&str; 17] = [
     "momente",
     "strom",
 ];
+/// Those of the words for torques that name the signal of a drive.
+const DRIVE_SIGNALS: [&str; 7] = ["current", "currents", "curr", "vir", "voltage", "u", "strom"];
 const OTHER: [&str; 8] = ["ddq", "qdd", "acc", "accel", "acceleration", "accelerations", "temp", "temperature"];
 /// Words that mark a signal as desired, not measured.
 const DESIRED_WORDS: [&str; 13] = [
@@ -119,9 +121,8 @@ pub(super) fn says_only_desired(name: &str) -> bool {
 
 /// Whether a name says that values are torques or forces, and not the signal of a drive.
 pub(super) fn says_torque(name: &str) -> bool {
-    const TORQUES: [&str; 11] =
-        ["tau", "torque", "torques", "trq", "effort", "efforts", "moment", "moments", "force", "drehmoment", "momente"];
-    has_word(&words(name), &TORQUES)
+    let words = words(name);
+    has_word(&words, &TORQUE) && !has_word(&words, &DRIVE_SIGNALS)
 }
 
 /// Whether a name is that of a torque which a controller computed.

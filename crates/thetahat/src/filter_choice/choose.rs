@@ -40,9 +40,6 @@ const NEIGHBOURS: f64 = 0.8;
 /// Rows per parameter that a chosen filter keeps if the recording has them: with fewer, chance decides which motions they contain,
 /// and a twin with slightly different parameters does not predict the errors.
 const ROWS_PER_PARAMETER: f64 = 10.0;
-/// Cut-off of the position filter over the frequency of the motion, below which it takes part of the motion (Brunot and others, section
-/// V-A): a twin may favour that by chance, where static friction hides the rest.
-const PASSED: f64 = 5.0;
 /// Longest part of a recording from which a twin is made, in samples.
 const LONGEST: usize = 40_000;
 
@@ -66,6 +63,7 @@ pub fn choose_filter(
     recordings.iter().try_for_each(|recording| recording.validate(robot.coordinate_count()))?;
     let with_torque = recordings.iter().filter(|r| r.torque.is_some());
     let longest = with_torque.max_by_key(|r| r.position.len()).ok_or(FilterChoiceError::NoTorque)?;
+    let longest = &longest.clone().unwrapped(robot);
     let whole = Study::new(robot, settings, longest.clone())?;
     let stretch = whole.moving_stretch(for_dynamics(whole.dynamics_hz(), longest.sample_rate_hz))?;
     let samples: usize = recordings.iter().map(|r| r.position.len()).sum();
@@ -169,8 +167,8 @@ impl<'a> Study<'a> {
         let sample_rate_hz = self.recording.sample_rate_hz;
         let dynamics_hz = self.dynamics_hz();
         let first = for_dynamics(dynamics_hz, sample_rate_hz);
-        let passing =
-            |f: &Filter| f.cutoff_hz >= first.cutoff_hz.min(PASSED * dynamics_hz) && f.decimation <= first.decimation;
+        // Below the usual filter the motion itself is cut: a twin may favour that by chance, where static friction hides the rest.
+        let passing = |f: &Filter| f.cutoff_hz >= first.cutoff_hz && f.decimation <= first.decimation;
         let around = FilterGrid::around(dynamics_hz, sample_rate_hz).filters;
         let passing: Vec<Filter> = around.iter().filter(|f| passing(f)).copied().collect();
         let grid = self.with_rows(if passing.is_empty() { around } else { passing });

@@ -25,12 +25,6 @@ const TOLERANCE: f64 = 0.02;
 /// Standard errors of the pooled coverage that come on top for fewer seeds.
 const STANDARD_ERRORS: f64 = 2.0;
 
-/// Whether the residual repeats with the motion and the estimates do not suffer from it: intervals count what repeats, and are too
-/// wide then (`docs/evidence/coverage.md`).
-fn repeats(twin: &Twin, method: &str) -> bool {
-    twin.name == "EMPS" && method.to_ascii_lowercase().starts_with("idim-iv")
-}
-
 /// `measured_every`: seeds with errors in X take long on the TX40. `through`: methods whose X through the filters is exact enough.
 fn check(twin: &Twin, measured_every: u64, through: &[Method]) {
     for colour in Colour::ALL {
@@ -42,9 +36,7 @@ fn check(twin: &Twin, measured_every: u64, through: &[Method]) {
             let (found, error) = (tally.pooled(INTERVAL), tally.pooled_error(INTERVAL));
             let what = format!("{} {} {method}: {found:.3} ± {error:.3}", twin.name, colour.name());
             println!("{what}");
-            let tolerance = TOLERANCE + STANDARD_ERRORS * error;
-            assert!(found > 0.95 - tolerance, "{what}");
-            assert!(found < 0.95 + tolerance || repeats(twin, method), "{what}");
+            assert!((found - 0.95).abs() < TOLERANCE + STANDARD_ERRORS * error, "{what}");
             // Correlated rows are what the classical intervals do not know of.
             assert!(colour == Colour::White || tally.pooled(0) < 0.85, "{what}: classical {}", tally.pooled(0));
         };

@@ -33,7 +33,7 @@ impl<'a> Parser<'a> {
                 Token::Word("module") => {
                     let name = self.word()?;
                     self.modules.push(name);
-                    self.expect('{')?;
+                    self.require('{')?;
                 }
                 Token::Sign('}') => self.modules.pop().map(|_| ()).ok_or("there is a } without its {")?,
                 Token::Sign(';') => {}
@@ -50,7 +50,7 @@ impl<'a> Parser<'a> {
 
     fn structure(&mut self) -> Result<(), String> {
         let name = self.word()?;
-        self.expect('{')?;
+        self.require('{')?;
         let mut fields = Vec::new();
         loop {
             match self.peek() {
@@ -63,7 +63,7 @@ impl<'a> Parser<'a> {
                 None => return Err(unexpected(None)),
             }
         }
-        self.expect('}')?;
+        self.require('}')?;
         let name = self.full_name(name);
         self.types.push(Declared { name, fields });
         Ok(())
@@ -89,7 +89,7 @@ impl<'a> Parser<'a> {
         let name = self.word()?;
         let content = self.dimensions(content)?;
         self.names.insert(self.full_name(name), content);
-        self.expect(';')
+        self.require(';')
     }
 
     fn enumeration(&mut self) -> Result<(), String> {
@@ -115,7 +115,7 @@ impl<'a> Parser<'a> {
     }
 
     fn sequence(&mut self) -> Result<Content, String> {
-        self.expect('<')?;
+        self.require('<')?;
         if self.peek() == Some(Token::Word("sequence")) {
             return Err("a sequence of sequences is not read".to_owned());
         }
@@ -145,7 +145,7 @@ impl<'a> Parser<'a> {
         let mut name = first.to_owned();
         while self.peek() == Some(Token::Sign(':')) {
             self.at += 1;
-            self.expect(':')?;
+            self.require(':')?;
             name = format!("{name}/{}", self.word()?);
         }
         let name = if name.contains('/') { normal(&name) } else { self.full_name(&name) };
@@ -158,7 +158,7 @@ impl<'a> Parser<'a> {
         while self.peek() == Some(Token::Sign('[')) {
             self.at += 1;
             let side: usize = self.word()?.parse().map_err(|_| "expected the length of an array".to_owned())?;
-            self.expect(']')?;
+            self.require(']')?;
             sides = Some(sides.unwrap_or(1_usize).checked_mul(side).ok_or_else(nested)?);
         }
         match (sides, content) {
@@ -222,7 +222,7 @@ impl<'a> Parser<'a> {
         is_next
     }
 
-    fn expect(&mut self, sign: char) -> Result<(), String> {
+    fn require(&mut self, sign: char) -> Result<(), String> {
         match self.next() {
             Some(Token::Sign(found)) if found == sign => Ok(()),
             other => Err(unexpected(other)),

@@ -79,10 +79,10 @@ impl Units<'_, '_> {
         position: &Measured,
     ) -> Result<Measured, ProposalError> {
         let is_drive = self.has_drive_gain() && self.request.torque_unit.is_none() && !self.says_torque(columns);
+        let is_of_motors = is_drive && self.request.side.is_none();
         let side = match (self.named_side(columns), position.side) {
-            _ if is_drive && self.request.side.is_none() => Side::Motor,
-            (Side::Joint, Side::Joint) => Side::Joint,
-            (Side::Motor, _) | (_, Side::Motor) => Side::Motor,
+            (Side::Joint, Side::Joint) if !is_of_motors => Side::Joint,
+            (Side::Joint | Side::Motor, _) => Side::Motor,
         };
         let named = self.named(Signal::Torque, columns);
         let (units, why, counts) = match (self.request.torque_unit, named) {
