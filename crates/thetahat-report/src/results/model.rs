@@ -353,18 +353,23 @@ pub struct SmallestShown {
     pub kind: CauseKind,
     /// Joint or link.
     pub subject: String,
-    /// The size that is named in one of two such recordings.
+    /// The size that is named in one of two such recordings, if it is the only error.
     pub size: f64,
+    /// The same if others of this kind may be wrong too; left out where they can hide any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size_with_others: Option<f64>,
     /// Unit of the size; empty for a ratio.
     pub unit: String,
 }
 
 impl SmallestShown {
-    /// It with its unit: "a wrong gear ratio of joint 2: 3.1 %".
+    /// It with its unit: "a wrong gear ratio of joint 2: 0.8 % alone, 5.1 % with others".
     #[must_use]
     pub fn in_words(&self) -> String {
         let (factor, unit) = shown_in(self.kind, &self.unit);
-        format!("{}: {} {unit}", self.kind.with_subject(&self.subject), significant(factor * self.size, 2))
+        let shown = |size: f64| format!("{} {unit}", significant(factor * size, 2));
+        let with_others = self.size_with_others.map_or_else(|| "any".to_owned(), shown);
+        format!("{}: {} alone, {with_others} with others", self.kind.with_subject(&self.subject), shown(self.size))
     }
 }
 

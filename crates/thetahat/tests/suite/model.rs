@@ -115,6 +115,26 @@ fn a_wrong_encoder_zero_is_among_what_is_named() {
     assert_eq!(results.verdict, Some(Verdict::Care), "{:?}", results.verdict_reasons);
 }
 
+/// Equal errors of two gear ratios nearly hide each other: what shows alone is smaller than what shows with others, and
+/// both at once are named.
+#[test]
+fn gear_ratios_that_hide_each_other_are_named_together() {
+    let shown = &model(clean()).smallest_shown;
+    let gear = shown.iter().find(|s| s.kind == CauseKind::GearRatio && s.subject == "joint 2").unwrap();
+    let with_others = gear.size_with_others.unwrap();
+    assert!(with_others > gear.size, "{gear:?}");
+
+    let recording = recording();
+    let (mut position, mut torque) = (recording.position.clone(), recording.torque.clone().unwrap());
+    for k in 0..position.len() {
+        position.sample_mut(k)[1..3].iter_mut().for_each(|q| *q *= 1.0 + 2.0 * with_others);
+        torque.sample_mut(k)[1..3].iter_mut().for_each(|t| *t /= 1.0 + 2.0 * with_others);
+    }
+    let results = identify(Recording { position, torque: Some(torque), ..recording });
+    let causes = &model(&results).causes;
+    assert!(causes.iter().any(|c| c.kind == CauseKind::GearRatio), "{causes:?}");
+}
+
 /// A recording of another robot's torques has a model that is not to be used.
 #[test]
 fn torques_that_do_not_belong_are_refused() {

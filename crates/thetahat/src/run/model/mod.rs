@@ -10,32 +10,31 @@ mod causes;
 mod choice;
 mod errors;
 mod folds;
+mod intervals;
 mod rows;
 
 use super::identification::Identification;
 use crate::preparation::{PreparationError, Problem};
 use beliefs::beliefs;
+use causes::Found;
 use choice::{Choice, Choosing};
 use errors::{Speeds, errors};
 use folds::ModelFolds;
+use intervals::{Intervals, widened};
 use rows::ModelRows;
-use thetahat_estimation::identification::{Method, Status};
+use thetahat_estimation::identification::Method;
 use thetahat_ground::{clock::Stopwatch, linear_algebra::Matrix};
 use thetahat_model::{
     consistency::{BaseKnowledge, ConsistentSet, bounds_of, interval_in, knowledge_of_base},
     robot::JointKind,
 };
-use thetahat_report::results::{
-    ModelCause, ModelError, ModelParameter, ModelResult, ModelStandardParameter, NOMINAL, RunResult,
-};
+use thetahat_report::results::{ModelError, ModelParameter, ModelResult, ModelStandardParameter, RunResult};
 
 /// Velocities v of `tanh(dq / v)`, the sign of the Coulomb friction, rad/s; the first is the default.
 const TRANSITIONS: [f64; 5] = [0.03, 0.001, 0.003, 0.01, 0.1];
 /// Radians of a motor for each metre of a robot whose joints all slide: a pinion of 0.1 m.
 const SLIDING: f64 = 10.0;
 
-/// Half of a 95 % interval in deviations.
-const NORMAL_QUANTILE: f64 = 1.96;
 /// Weights of the belief, in long-run variances of the residual; the first is the default.
 const WEIGHTS: [f64; 7] = [1.0, 1e-3, 1e-2, 0.1, 10.0, 100.0, 1000.0];
 
@@ -92,7 +91,7 @@ impl Identification {
             return Ok(None);
         }
         let rows = ModelRows::new(self.setup(), &self.validation, problem, choice.transition)?;
-        let speeds = Speeds::new(&self.validation, &rows, choice.transition);
+        let speeds = Speeds::new(&self.validation, &rows, &self.setup().settings.signal, choice.transition);
         let prediction = rows.x.times(&problem.base.from_standard(&choice.standard));
         Ok(Some(errors(&rows, &prediction, None, &speeds)))
     }
@@ -115,12 +114,13 @@ impl Identification {
     ) -> ModelResult {
         let rows = &laws[choice.law];
         let theta = problem.base.from_standard(&choice.standard);
-        let speeds = Speeds::new(&self.main, rows, choice.transition);
+        let speeds = Speeds::new(&self.main, rows, &self.setup().settings.signal, choice.transition);
         let guessed = thetahat_model::consistency::stated_links(self.setup().robot);
         let found = (&choice.standard[..], &choice.deviations[..], choice.transition);
-        let (causes, smallest_shown) = causes::causes(self, problem, rows, &speeds, found);
+        let Found { causes, smallest_shown, delay } = causes::causes(self, problem, rows, &speeds, found);
         let knowledge = knowledge_of_base(set, &choice.data, choice.weight, &problem.base).ok();
-        let mut parameters = self.model_parameters(problem, set, &theta, knowledge.as_ref(), runs);
+        let intervals = Intervals::new(&rows.without(&speeds.turning), &choice.deviations, delay, runs);
+        let mut parameters = self.model_parameters(problem, set, &theta, knowledge.as_ref(), &intervals);
         parameters
             .iter_mut()
             .for_each(|p| p.interval_95 = p.interval_95.map(|interval| widened(interval, &p.name, &causes)));
@@ -150,11 +150,10 @@ impl Identification {
         set: &ConsistentSet,
         theta: &[f64],
         knowledge: Option<&BaseKnowledge>,
-        runs: &[RunResult],
+        intervals: &Intervals,
     ) -> Vec<ModelParameter> {
         let a_priori = problem.base.from_standard(set.a_priori());
         let decided = knowledge.map_or_else(|| vec![0.0; theta.len()], BaseKnowledge::decided_percent);
-        let free = free_run(runs);
         let truth = self.main.first().and_then(|p| p.filtered.recording.truth.as_ref());
         let truth = truth.filter(|t| problem.base.agrees_with_fixed(t)).map(|t| problem.base.from_standard(t));
         let parameter = |(i, p): (usize, &thetahat_model::base_parameters::BaseParameter)| ModelParameter {
@@ -164,29 +163,11 @@ impl Identification {
             value: theta[i],
             a_priori: a_priori[i],
             decided_percent: decided[i],
-            interval_95: free
-                .and_then(|run| run.parameter(&p.name)?.interval_95)
-                .map(|interval| interval_in(bounds_of(set, p), interval, theta[i])),
+            interval_95: intervals.of(i, &p.name).map(|interval| interval_in(bounds_of(set, p), interval, theta[i])),
             true_value: truth.as_ref().map(|truth| truth[i]),
         };
         problem.base.parameters().iter().enumerate().map(parameter).collect()
     }
-}
-
-/// An interval that holds the value wherever one of the causes has moved it.
-fn widened([low, high]: [f64; 2], name: &str, causes: &[ModelCause]) -> [f64; 2] {
-    let moved = causes.iter().flat_map(|c| &c.moved).filter(|m| m.parameter == name).map(|m| m.deviations.abs());
-    let shift = moved.fold(0.0, f64::max) * 0.5 * (high - low) / NORMAL_QUANTILE;
-    [low - shift, high + shift]
-}
-
-/// The run whose intervals are those of the recordings alone: weighted least squares, or else plain.
-fn free_run(runs: &[RunResult]) -> Option<&RunResult> {
-    let of = |method: Method| {
-        let converged = |r: &&RunResult| r.status == Status::Converged && r.case == NOMINAL && r.method == method;
-        runs.iter().find(converged)
-    };
-    of(Method::IDIM_WLS).or_else(|| of(Method::IDIM_LS))
 }
 
 /// Deviation of a parameter whose value is given, over the value or over one: next to none, so that the covariance stays regular.

@@ -75,6 +75,19 @@ impl ModelRows {
         Ok(rows)
     }
 
+    /// The rows without those that are left out, which become zero.
+    pub(super) fn without(&self, left_out: &[bool]) -> Self {
+        let kept: Vec<f64> = left_out.iter().map(|out| if *out { 0.0 } else { 1.0 }).collect();
+        let y = self.y.iter().zip(&kept).map(|(y, kept)| y * kept).collect();
+        let layout = self.layout.clone().with_shares(Some(kept.clone()));
+        Self { x: self.x.scale_rows(&kept), y, layout, ..self.clone() }
+    }
+
+    /// One for each row that counts, zero for each that is left out.
+    pub(super) fn kept(&self) -> Vec<f64> {
+        self.layout.shares_or_ones(0..self.layout.len()).into_owned()
+    }
+
     /// Rows of one joint.
     pub(super) fn rows_of_joint(&self) -> usize {
         self.layout.len() / self.layout.joints().max(1)

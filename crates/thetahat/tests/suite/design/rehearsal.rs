@@ -45,15 +45,14 @@ fn beside_the_truth(sample_rate_hz: u32) -> f64 {
     results.runs[0].parameter("zz1r").unwrap().estimate / 0.86 - 1.0
 }
 
-/// The controller takes the trajectory linearly between samples: torques at the samples lack at least
-/// `K_p T^2 ddq / 12`, so that an inertia is too small by `(omega T)^2 / 12` and more, omega being the bandwidth.
+/// Along the chords between samples of the trajectory torques would lack `K_p T^2 ddq / 12`, an inertia `(omega T)^2 / 12` and
+/// more, omega being the bandwidth: 0.13 % at 500 Hz. The twin follows the curve; what is left comes from the filters.
 #[test]
-fn a_rehearsal_lies_beside_its_truth_by_the_square_of_the_sample_time() {
-    let [at_500, at_1000] = [500, 1000].map(beside_the_truth);
-    println!("beside the truth by {:.3} % at 500 Hz, {:.3} % at 1000 Hz", 100.0 * at_500, 100.0 * at_1000);
-    let least = |sample_rate_hz: f64| -(std::f64::consts::TAU * 10.0 / sample_rate_hz).powi(2) / 12.0;
-    for (found, least) in [(at_500, least(500.0)), (at_1000, least(1000.0))] {
-        assert!((1.0..1.5).contains(&(found / least)), "{found} {least}");
+fn a_rehearsal_has_its_truth_at_any_sample_time() {
+    for sample_rate_hz in [500, 1000] {
+        let found = beside_the_truth(sample_rate_hz);
+        println!("{sample_rate_hz} Hz: {:.4} % off", 100.0 * found);
+        assert!(found.abs() < 1e-4, "{found}");
     }
 }
 

@@ -19,8 +19,6 @@ use torques::Torques;
 
 /// log10 of the probability below which a cause is named: some 40 causes are tested.
 const NAMED: f64 = -5.0;
-/// The same in deviations of a cause that is one number.
-const NAMED_DEVIATIONS: f64 = 4.42;
 /// log10 of the probability above which a cause no longer shows once another is put in.
 const GONE: f64 = -3.0;
 /// Part of the strongest cause's evidence from which another counts as its rival.
@@ -32,33 +30,46 @@ const LARGEST: f64 = 0.3;
 /// Deviations of a parameter's shift from which a cause has moved it.
 const MOVED: f64 = 1.0;
 
-/// The causes that the rows show, the strongest first.
+/// What the residual says.
+#[derive(Default)]
+pub(super) struct Found {
+    /// The causes that the rows show, the strongest first.
+    pub(super) causes: Vec<ModelCause>,
+    pub(super) smallest_shown: Vec<SmallestShown>,
+    /// The derivative of the rows by the delay of the torques, where late torques are among the causes.
+    pub(super) delay: Option<Vec<f64>>,
+}
+
+/// The causes that the rows show.
 pub(super) fn causes(
     identification: &Identification,
     problem: &Problem,
     rows: &ModelRows,
     speeds: &Speeds,
     (standard, deviations, transition): (&[f64], &[f64], f64),
-) -> (Vec<ModelCause>, Vec<SmallestShown>) {
-    let nothing = || (Vec::new(), Vec::new());
+) -> Found {
     let sign = Sign::Smooth { scale: transition };
     let Some(torques) = Torques::new(identification, problem, rows, standard, sign) else {
-        return nothing();
+        return Found::default();
     };
     let candidates = torques.causes(identification.threads);
     let late = candidates.iter().position(|c| c.kind == CauseKind::LateTorque);
     // A delay shows where the torque changes: at reversals, which all others leave out. Its size is too small where the position
     // filter rings at rests: the check of lags measures it better.
     let of_delay = late.and_then(|late| Residual::new(rows, deviations, &[], vec![candidates[late].clone()]));
-    let Some(mut residual) = Residual::new(rows, deviations, &speeds.turning, candidates) else { return nothing() };
+    let Some(mut residual) = Residual::new(rows, deviations, &speeds.turning, candidates) else {
+        return Found::default();
+    };
     let count = residual.candidates.len();
     let mut named: Vec<ModelCause> = Vec::new();
     let mut put_in: Vec<usize> = Vec::new();
+    let mut delay = None;
     if let Some((late, of_delay)) = late.zip(of_delay) {
         put_in.push(late);
         if let Some(found) = of_delay.test(0).filter(|found| found.log10_p < NAMED) {
             let moved = moved(&of_delay, problem, 0, &found);
             named.push(ModelCause { moved, ..found.named(&of_delay.candidates[0].cause, Vec::new()) });
+            delay = of_delay.candidates[0].cause.columns.first().cloned();
             residual.put_in(late);
         }
     }
@@ -71,9 +82,8 @@ pub(super) fn causes(
         let evidence = |k: usize| found[k].as_ref().map(|f| f.log10_p);
         let shown = (0..count).filter_map(|k| Some((k, evidence(k)?))).filter(|(_, log10_p)| *log10_p < NAMED);
         let Some((best, log10_p)) = shown.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
-        // Other instants of a payload are the same cause.
-        let kind = |k: usize| residual.candidates[k].cause.kind;
-        let is_other = |k: usize| k != best && !(kind(k) == CauseKind::Payload && kind(best) == CauseKind::Payload);
+        let is_other =
+            |k: usize| k != best && !residual.candidates[k].cause.is_part_of(&residual.candidates[best].cause);
         let is_rival = |k: &usize| is_other(*k) && evidence(*k).is_some_and(|p| p < NAMED && p < RIVAL * log10_p);
         let rivals: Vec<usize> = (0..count).filter(is_rival).collect();
         let Some(strongest) = &found[best] else { break };
@@ -87,8 +97,8 @@ pub(super) fn causes(
         named.push(ModelCause { moved, ..strongest.named(cause(best), rivals) });
     }
     named.sort_by(|a, b| a.log10_probability.total_cmp(&b.log10_probability));
-    let smallest = (0..count).filter(|k| !put_in.contains(k)).filter_map(|k| smallest_shown(&residual, k)).collect();
-    (named, smallest)
+    let hidden = (0..count).filter(|k| !put_in.contains(k)).filter_map(|k| smallest_shown(&residual, k));
+    Found { causes: named, smallest_shown: hidden.collect(), delay }
 }
 
 /// The size of an error of the description that would be named, of a cause that is not.
@@ -105,11 +115,14 @@ fn smallest_shown(residual: &Residual, candidate: usize) -> Option<SmallestShown
         | CauseKind::Payload => return None,
     }
     let [_, deviation] = residual.test(candidate)?.size?;
-    let size = NAMED_DEVIATIONS * deviation;
+    let size = residual::deviations_beyond(NAMED, 1) * deviation;
+    let with_others = residual.deviation_with_others(candidate);
+    let with_others = with_others.map(|(deviation, count)| residual::deviations_beyond(NAMED, count) * deviation);
     (size < LARGEST).then(|| SmallestShown {
         kind: cause.kind,
         subject: cause.subject.clone(),
         size,
+        size_with_others: with_others.filter(|size| *size < LARGEST),
         unit: cause.unit.to_owned(),
     })
 }
@@ -132,6 +145,12 @@ impl Evidence {
 }
 
 impl Cause {
+    /// Whether it is the same error in other words: another instant of a payload, or one place and several.
+    fn is_part_of(&self, other: &Self) -> bool {
+        let several = !self.members.is_empty() || !other.members.is_empty();
+        self.kind == other.kind && (self.kind == CauseKind::Payload || several)
+    }
+
     /// Whether its size is one for which a derivative says anything.
     fn is_plausible(&self, found: &Evidence) -> bool {
         let Some([size, _]) = found.size else { return true };

@@ -114,6 +114,18 @@ impl Residual {
         size.is_finite().then_some(evidence)
     }
 
+    /// Deviation of a cause's size where others of its kind may be there too, and how many they are with it; none where it is
+    /// alone or the motion does not separate it from them.
+    pub(super) fn deviation_with_others(&self, candidate: usize) -> Option<(f64, usize)> {
+        let together = self.candidates.iter().find(|c| c.cause.members.contains(&candidate))?;
+        let others: Vec<usize> = together.cause.members.iter().copied().filter(|&k| k != candidate).collect();
+        let columns: Vec<f64> = others.iter().flat_map(|&k| self.candidates[k].columns.column(0).to_vec()).collect();
+        let factor = PivotedQr::with_equal_columns(&Matrix::from_columns(self.rest.len(), columns));
+        let own = self.candidates[candidate].columns.column(0);
+        let rest = norm(&outside(&leading(&factor, factor.rank(OWN_RANK)), own));
+        (rest > OWN_RANK * norm(own)).then(|| (1.0 / rest, together.cause.members.len()))
+    }
+
     /// What a cause explains is explained from now on.
     pub(super) fn put_in(&mut self, candidate: usize) {
         let factor = PivotedQr::with_equal_columns(&self.candidates[candidate].columns);
@@ -137,6 +149,13 @@ impl Residual {
         let covariance = self.factor.inverse_gram();
         (0..parameters).map(|i| shift[i] / covariance.at(i, i).max(f64::MIN_POSITIVE).sqrt()).collect()
     }
+}
+
+/// Size, in deviations, of an error whose evidence in `count` columns has a probability of less than `log10_p` by chance in
+/// one of two recordings.
+pub(super) fn deviations_beyond(log10_p: f64, count: usize) -> f64 {
+    let quantile = ChiSquared::new(count as f64).map_or(f64::NAN, |chi| chi.inverse_cdf(1.0 - 10f64.powf(log10_p)));
+    (quantile - (count as f64 - 1.0)).sqrt()
 }
 
 /// The first orthonormal columns of a factorisation.

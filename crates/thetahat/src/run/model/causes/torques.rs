@@ -8,6 +8,7 @@ use crate::{
 use thetahat_estimation::{
     identification::Assembly,
     signal::{Derivative, Motion, Padding, SecondOrderSections, zero_phase},
+    statistics::median,
 };
 use thetahat_ground::{pool::in_parallel, series::Series};
 use thetahat_model::{
@@ -130,8 +131,11 @@ impl<'a> Torques<'a> {
     /// Everything that is tested, of what the motion can show.
     pub(super) fn causes(&self, threads: usize) -> Vec<Cause> {
         let tried = self.tried();
-        let found = in_parallel(tried.len(), threads, |k| self.cause(tried[k]));
-        found.into_iter().flatten().chain(self.payloads()).collect()
+        let found: Vec<Cause> =
+            in_parallel(tried.len(), threads, |k| self.cause(tried[k])).into_iter().flatten().collect();
+        let together =
+            [CauseKind::EncoderZero, CauseKind::GearRatio, CauseKind::Length].map(|k| Cause::together(k, &found));
+        found.into_iter().chain(together.into_iter().flatten()).chain(self.payloads()).collect()
     }
 
     fn tried(&self) -> Vec<Tried> {
@@ -171,7 +175,7 @@ impl<'a> Torques<'a> {
         let columns = columns.into_iter().collect::<Option<Vec<_>>>().filter(|c| !c.is_empty())?;
         let is_late = kind == CauseKind::LateTorque;
         let instrument = if is_late { self.smoothed().and_then(|torques| self.slope(&torques)) } else { None };
-        Some(Cause { kind, subject, unit, columns, instrument })
+        Some(Cause { kind, subject, unit, columns, instrument, members: Vec::new() })
     }
 
     fn kind(&self, j: usize) -> JointKind {
@@ -308,18 +312,30 @@ impl<'a> Torques<'a> {
     fn speed_friction(&self) -> Vec<Option<Vec<f64>>> {
         let mut columns = Vec::new();
         for joint in 0..self.joints() {
-            let peak =
-                self.recordings().flat_map(|r| (0..r.motion.dq.len()).map(|k| r.motion.dq.sample(k)[joint].abs()));
-            let peak = peak.fold(0.0, f64::max);
-            for part in SPEEDS {
+            let speeds =
+                |r: &'a FilteredRecording| (0..r.motion.dq.len()).map(move |k| r.motion.dq.sample(k)[joint].abs());
+            let peak = self.recordings().flat_map(speeds).fold(0.0, f64::max);
+            for velocity in SPEEDS.map(|part| part * peak).into_iter().filter(|v| self.resolves(joint, *v)) {
                 columns.push(self.each(|r, k, j| {
                     let dq = r.motion.dq.sample(k)[joint];
-                    let fades = (-(dq / (part * peak).max(f64::MIN_POSITIVE)).powi(2)).exp();
+                    let fades = (-(dq / velocity.max(f64::MIN_POSITIVE)).powi(2)).exp();
                     if j == joint { self.sign.of(dq) * fades } else { 0.0 }
                 }));
             }
         }
         columns
+    }
+
+    /// Whether the filter passes what happens below a velocity: a joint that reverses within less than a period of the cut-off
+    /// leaves a pulse there, whose shape is that of the filter and of the samples.
+    fn resolves(&self, joint: usize, velocity: f64) -> bool {
+        let slow = |r: &'a FilteredRecording| {
+            let is_slow = move |k: &usize| r.motion.dq.sample(*k)[joint].abs() < velocity;
+            (0..r.motion.dq.len()).filter(is_slow).map(move |k| r.motion.ddq.sample(k)[joint].abs())
+        };
+        let accelerations: Vec<f64> = self.recordings().flat_map(slow).collect();
+        let cutoff_hz = self.identification.setup().settings.signal.cutoff_hz;
+        !accelerations.is_empty() && 2.0 * velocity * cutoff_hz >= median(&accelerations)
     }
 
     /// Friction that changes with time, as while a gear warms up; each recording from its own beginning.
@@ -361,7 +377,7 @@ impl<'a> Torques<'a> {
             let time_s = recording.start_s() + sample as f64 / recording.recording.sample_rate_hz;
             let columns = units.iter().map(after).collect();
             let subject = format!("at {time_s:.1} s");
-            Cause { kind: CauseKind::Payload, subject, unit: "", columns, instrument: None }
+            Cause { kind: CauseKind::Payload, subject, unit: "", columns, instrument: None, members: Vec::new() }
         };
         (0..INSTANTS).map(from).collect()
     }

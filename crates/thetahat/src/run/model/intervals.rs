@@ -1,0 +1,63 @@
+//! The intervals of the model's parameters: what the recordings alone say.
+
+use super::rows::ModelRows;
+use thetahat_estimation::{
+    identification::{Divisor, Method, Status, idim_ls, uncertainty},
+    regression::Regression,
+};
+use thetahat_ground::linear_algebra::Matrix;
+use thetahat_report::results::{CauseKind, ModelCause, NOMINAL, RunResult};
+
+/// Half of a 95 % interval in deviations.
+const NORMAL_QUANTILE: f64 = 1.96;
+
+/// The intervals of free estimates.
+pub(super) struct Intervals<'a> {
+    /// By the rows of the model, of all base parameters; none if the recordings do not separate these.
+    of_rows: Option<Vec<[f64; 2]>>,
+    run: Option<&'a RunResult>,
+}
+
+impl<'a> Intervals<'a> {
+    /// Weighted least squares in rows of the model where the friction has its sign: near rest its errors depend on the motion.
+    /// With a delay of the torques, whose column is given, the estimates are those of torques that are not late.
+    pub(super) fn new(rows: &ModelRows, deviations: &[f64], delay: Option<Vec<f64>>, runs: &'a [RunResult]) -> Self {
+        Self { of_rows: of_rows(rows, deviations, delay), run: free_run(runs) }
+    }
+
+    /// The interval of a base parameter: that of the rows together with that of the weighted run. These treat friction near
+    /// rest and delays otherwise, and nothing says which is right.
+    pub(super) fn of(&self, index: usize, name: &str) -> Option<[f64; 2]> {
+        let of_rows = self.of_rows.as_ref().and_then(|intervals| intervals.get(index)).copied();
+        let of_run = self.run.and_then(|run| run.parameter(name)?.interval_95);
+        let both = of_rows.zip(of_run).map(|(a, b)| [a[0].min(b[0]), a[1].max(b[1])]);
+        both.or(of_rows).or(of_run)
+    }
+}
+
+fn of_rows(rows: &ModelRows, deviations: &[f64], delay: Option<Vec<f64>>) -> Option<Vec<[f64; 2]>> {
+    let whitening = rows.layout.spread(|block| 1.0 / deviations[block.joint]);
+    let weights = whitening.iter().zip(&rows.weights).map(|(a, b)| a * b).collect();
+    let delay = Matrix::from_columns(rows.y.len(), delay.unwrap_or_default());
+    let x = Matrix::side_by_side(&[&rows.x, &delay.scale_rows(&rows.kept())]);
+    let regression = Regression::new(x, rows.y.clone(), rows.layout.clone()).with_weights(Some(weights));
+    let fit = idim_ls(&regression, Divisor::default()).ok()?;
+    Some(uncertainty(Method::IDIM_LS, &regression, None, &fit).ok()?.interval_95)
+}
+
+/// The run whose intervals are those of the recordings alone: weighted least squares, or else plain.
+fn free_run(runs: &[RunResult]) -> Option<&RunResult> {
+    let of = |method: Method| {
+        let converged = |r: &&RunResult| r.status == Status::Converged && r.case == NOMINAL && r.method == method;
+        runs.iter().find(converged)
+    };
+    of(Method::IDIM_WLS).or_else(|| of(Method::IDIM_LS))
+}
+
+/// An interval that holds the value wherever one of the causes has moved it; a delay has a column in it.
+pub(super) fn widened([low, high]: [f64; 2], name: &str, causes: &[ModelCause]) -> [f64; 2] {
+    let others = causes.iter().filter(|c| c.kind != CauseKind::LateTorque);
+    let moved = others.flat_map(|c| &c.moved).filter(|m| m.parameter == name).map(|m| m.deviations.abs());
+    let shift = moved.fold(0.0, f64::max) * 0.5 * (high - low) / NORMAL_QUANTILE;
+    [low - shift, high + shift]
+}
