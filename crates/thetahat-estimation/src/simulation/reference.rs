@@ -47,7 +47,7 @@ impl PeriodicReference {
 }
 
 /// A recorded reference with its derivatives by central differences. Between its samples positions and velocities are cubic
-/// Hermite polynomials of their values and rates, accelerations are linear: a chord of the positions would lie beside the
+/// Hermite polynomials of their values and rates, accelerations are linear: a chord of the positions would differ from the
 /// curve by `T^2 ddq / 8`, which torques at the samples lack.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampledReference {

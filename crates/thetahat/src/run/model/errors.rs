@@ -1,7 +1,7 @@
 //! The errors of predicted torques: all samples, moving, and near rest.
 
 use super::rows::ModelRows;
-use crate::{preparation::SignalOptions, run::prepared::PreparedRecording};
+use crate::run::prepared::PreparedRecording;
 use thetahat_report::results::{ModelError, ModelJointError};
 
 /// Velocity below which a joint is near rest where no rule says so, rad/s or m/s.
@@ -13,17 +13,12 @@ const SETTLED: f64 = 4.0;
 /// What each row's joint does.
 pub(super) struct Speeds {
     near_rest: Vec<bool>,
-    /// Whether the sign of its friction is not settled there, or within a period of the filter's cut-off.
+    /// Whether the sign of its friction is not settled there, or in the row before or after.
     pub(super) turning: Vec<bool>,
 }
 
 impl Speeds {
-    pub(super) fn new(
-        prepared: &[PreparedRecording],
-        rows: &ModelRows,
-        signal: &SignalOptions,
-        transition: f64,
-    ) -> Self {
+    pub(super) fn new(prepared: &[PreparedRecording], rows: &ModelRows, transition: f64) -> Self {
         let (mut near_rest, mut turning) = (Vec::new(), Vec::new());
         for j in 0..rows.layout.joints() {
             for (p, decimator) in prepared.iter().zip(&rows.decimators) {
@@ -31,9 +26,7 @@ impl Speeds {
                 let speeds: Vec<f64> = decimator.kept().map(|k| p.filtered.motion.dq.sample(k)[j].abs()).collect();
                 let is_slow = |k: usize| speeds[k] < limit.max(SETTLED * transition);
                 near_rest.extend(speeds.iter().map(|speed| *speed < limit));
-                let rate_hz = p.filtered.recording.sample_rate_hz / signal.decimation as f64;
-                let reach = (rate_hz / signal.cutoff_hz).ceil().max(1.0) as usize;
-                let neighbours = |k: usize| k.saturating_sub(reach)..(k + reach + 1).min(speeds.len());
+                let neighbours = |k: usize| k.saturating_sub(1)..(k + 2).min(speeds.len());
                 turning.extend((0..speeds.len()).map(|k| neighbours(k).any(is_slow)));
             }
         }

@@ -16,7 +16,7 @@ mod rows;
 use super::identification::Identification;
 use crate::preparation::{PreparationError, Problem};
 use beliefs::beliefs;
-use causes::Found;
+use causes::FoundCauses;
 use choice::{Choice, Choosing};
 use errors::{Speeds, errors};
 use folds::ModelFolds;
@@ -91,7 +91,7 @@ impl Identification {
             return Ok(None);
         }
         let rows = ModelRows::new(self.setup(), &self.validation, problem, choice.transition)?;
-        let speeds = Speeds::new(&self.validation, &rows, &self.setup().settings.signal, choice.transition);
+        let speeds = Speeds::new(&self.validation, &rows, choice.transition);
         let prediction = rows.x.times(&problem.base.from_standard(&choice.standard));
         Ok(Some(errors(&rows, &prediction, None, &speeds)))
     }
@@ -114,10 +114,10 @@ impl Identification {
     ) -> ModelResult {
         let rows = &laws[choice.law];
         let theta = problem.base.from_standard(&choice.standard);
-        let speeds = Speeds::new(&self.main, rows, &self.setup().settings.signal, choice.transition);
+        let speeds = Speeds::new(&self.main, rows, choice.transition);
         let guessed = thetahat_model::consistency::stated_links(self.setup().robot);
         let found = (&choice.standard[..], &choice.deviations[..], choice.transition);
-        let Found { causes, smallest_shown, delay } = causes::causes(self, problem, rows, &speeds, found);
+        let FoundCauses { causes, smallest_shown, delay } = causes::causes(self, problem, rows, &speeds, found);
         let knowledge = knowledge_of_base(set, &choice.data, choice.weight, &problem.base).ok();
         let intervals = Intervals::new(&rows.without(&speeds.turning), &choice.deviations, delay, runs);
         let mut parameters = self.model_parameters(problem, set, &theta, knowledge.as_ref(), &intervals);

@@ -19,6 +19,11 @@ use torques::Torques;
 
 /// log10 of the probability below which a cause is named: some 40 causes are tested.
 const NAMED: f64 = -5.0;
+/// The same where the cut-off is next to half of the sample rate: what the samples do to a motion that they hardly resolve
+/// is in the residual too. A clean arm at 30 Hz has evidence of -10 in one of ten recordings.
+const NAMED_AT_LOW_RATE: f64 = -12.0;
+/// Cut-off over sample rate from which that holds.
+const LOW_RATE: f64 = 0.35;
 /// log10 of the probability above which a cause no longer shows once another is put in.
 const GONE: f64 = -3.0;
 /// Part of the strongest cause's evidence from which another counts as its rival.
@@ -32,7 +37,7 @@ const MOVED: f64 = 1.0;
 
 /// What the residual says.
 #[derive(Default)]
-pub(super) struct Found {
+pub(super) struct FoundCauses {
     /// The causes that the rows show, the strongest first.
     pub(super) causes: Vec<ModelCause>,
     pub(super) smallest_shown: Vec<SmallestShown>,
@@ -47,18 +52,19 @@ pub(super) fn causes(
     rows: &ModelRows,
     speeds: &Speeds,
     (standard, deviations, transition): (&[f64], &[f64], f64),
-) -> Found {
+) -> FoundCauses {
     let sign = Sign::Smooth { scale: transition };
     let Some(torques) = Torques::new(identification, problem, rows, standard, sign) else {
-        return Found::default();
+        return FoundCauses::default();
     };
     let candidates = torques.causes(identification.threads);
+    let named_below = named_below(identification);
     let late = candidates.iter().position(|c| c.kind == CauseKind::LateTorque);
     // A delay shows where the torque changes: at reversals, which all others leave out. Its size is too small where the position
     // filter rings at rests: the check of lags measures it better.
     let of_delay = late.and_then(|late| Residual::new(rows, deviations, &[], vec![candidates[late].clone()]));
     let Some(mut residual) = Residual::new(rows, deviations, &speeds.turning, candidates) else {
-        return Found::default();
+        return FoundCauses::default();
     };
     let count = residual.candidates.len();
     let mut named: Vec<ModelCause> = Vec::new();
@@ -66,7 +72,7 @@ pub(super) fn causes(
     let mut delay = None;
     if let Some((late, of_delay)) = late.zip(of_delay) {
         put_in.push(late);
-        if let Some(found) = of_delay.test(0).filter(|found| found.log10_p < NAMED) {
+        if let Some(found) = of_delay.test(0).filter(|found| found.log10_p < named_below) {
             let moved = moved(&of_delay, problem, 0, &found);
             named.push(ModelCause { moved, ..found.named(&of_delay.candidates[0].cause, Vec::new()) });
             delay = of_delay.candidates[0].cause.columns.first().cloned();
@@ -80,11 +86,11 @@ pub(super) fn causes(
         };
         let found: Vec<Option<Evidence>> = in_parallel(count, identification.threads, test);
         let evidence = |k: usize| found[k].as_ref().map(|f| f.log10_p);
-        let shown = (0..count).filter_map(|k| Some((k, evidence(k)?))).filter(|(_, log10_p)| *log10_p < NAMED);
+        let shown = (0..count).filter_map(|k| Some((k, evidence(k)?))).filter(|(_, log10_p)| *log10_p < named_below);
         let Some((best, log10_p)) = shown.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
         let is_other =
             |k: usize| k != best && !residual.candidates[k].cause.is_part_of(&residual.candidates[best].cause);
-        let is_rival = |k: &usize| is_other(*k) && evidence(*k).is_some_and(|p| p < NAMED && p < RIVAL * log10_p);
+        let is_rival = |k: &usize| is_other(*k) && evidence(*k).is_some_and(|p| p < named_below && p < RIVAL * log10_p);
         let rivals: Vec<usize> = (0..count).filter(is_rival).collect();
         let Some(strongest) = &found[best] else { break };
         let moved = moved(&residual, problem, best, strongest);
@@ -97,12 +103,19 @@ pub(super) fn causes(
         named.push(ModelCause { moved, ..strongest.named(cause(best), rivals) });
     }
     named.sort_by(|a, b| a.log10_probability.total_cmp(&b.log10_probability));
-    let hidden = (0..count).filter(|k| !put_in.contains(k)).filter_map(|k| smallest_shown(&residual, k));
-    Found { causes: named, smallest_shown: hidden.collect(), delay }
+    let hidden = (0..count).filter(|k| !put_in.contains(k)).filter_map(|k| smallest_shown(&residual, k, named_below));
+    FoundCauses { causes: named, smallest_shown: hidden.collect(), delay }
+}
+
+/// log10 of the probability below which a cause is named in these recordings.
+fn named_below(identification: &Identification) -> f64 {
+    let slowest = identification.main.iter().map(|p| p.filtered.recording.sample_rate_hz).fold(f64::INFINITY, f64::min);
+    let is_low = identification.setup().settings.signal.cutoff_hz > LOW_RATE * slowest;
+    if is_low { NAMED_AT_LOW_RATE } else { NAMED }
 }
 
 /// The size of an error of the description that would be named, of a cause that is not.
-fn smallest_shown(residual: &Residual, candidate: usize) -> Option<SmallestShown> {
+fn smallest_shown(residual: &Residual, candidate: usize, named_below: f64) -> Option<SmallestShown> {
     let cause = &residual.candidates[candidate].cause;
     match cause.kind {
         CauseKind::EncoderZero | CauseKind::GearRatio | CauseKind::Length => {}
@@ -115,9 +128,9 @@ fn smallest_shown(residual: &Residual, candidate: usize) -> Option<SmallestShown
         | CauseKind::Payload => return None,
     }
     let [_, deviation] = residual.test(candidate)?.size?;
-    let size = residual::deviations_beyond(NAMED, 1) * deviation;
+    let size = residual::deviations_beyond(named_below, 1) * deviation;
     let with_others = residual.deviation_with_others(candidate);
-    let with_others = with_others.map(|(deviation, count)| residual::deviations_beyond(NAMED, count) * deviation);
+    let with_others = with_others.map(|(deviation, count)| residual::deviations_beyond(named_below, count) * deviation);
     (size < LARGEST).then(|| SmallestShown {
         kind: cause.kind,
         subject: cause.subject.clone(),

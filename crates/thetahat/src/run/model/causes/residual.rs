@@ -114,7 +114,7 @@ impl Residual {
         size.is_finite().then_some(evidence)
     }
 
-    /// Deviation of a cause's size where others of its kind may be there too, and how many they are with it; none where it is
+    /// Deviation of a cause's size where others of its kind may be there too, and how many they are with it; none if it is
     /// alone or the motion does not separate it from them.
     pub(super) fn deviation_with_others(&self, candidate: usize) -> Option<(f64, usize)> {
         let together = self.candidates.iter().find(|c| c.cause.members.contains(&candidate))?;
