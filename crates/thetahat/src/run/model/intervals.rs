@@ -6,7 +6,7 @@ use thetahat_estimation::{
     regression::Regression,
 };
 use thetahat_ground::linear_algebra::Matrix;
-use thetahat_report::results::{CauseKind, ModelCause, NOMINAL, RunResult};
+use thetahat_report::results::{ModelCause, NOMINAL, RunResult};
 
 /// Half of a 95 % interval in deviations.
 const NORMAL_QUANTILE: f64 = 1.96;
@@ -54,10 +54,9 @@ fn free_run(runs: &[RunResult]) -> Option<&RunResult> {
     of(Method::IDIM_WLS).or_else(|| of(Method::IDIM_LS))
 }
 
-/// An interval that holds the value wherever one of the causes has moved it; a delay has a column in it.
+/// An interval that holds the value wherever one of the causes has moved it.
 pub(super) fn widened([low, high]: [f64; 2], name: &str, causes: &[ModelCause]) -> [f64; 2] {
-    let others = causes.iter().filter(|c| c.kind != CauseKind::LateTorque);
-    let moved = others.flat_map(|c| &c.moved).filter(|m| m.parameter == name).map(|m| m.deviations.abs());
+    let moved = causes.iter().flat_map(|c| &c.moved).filter(|m| m.parameter == name).map(|m| m.deviations.abs());
     let shift = moved.fold(0.0, f64::max) * 0.5 * (high - low) / NORMAL_QUANTILE;
     [low - shift, high + shift]
 }
