@@ -24,6 +24,12 @@ const NEAR: f64 = 3.0;
 const PROGRESS: f64 = 0.5;
 const FINER: f64 = 0.1;
 const REFINEMENTS: i32 = 2;
+/// An estimation that is coarse at first simulates with coarser tolerances by one factor...
+const COARSE: i32 = -1;
+/// ... until the undamped step is this small, in standard deviations: the errors of coarse simulations are then of its size.
+const FAR: f64 = 10.0;
+/// Relative increase of the error that a finer simulation of the same parameters may cause.
+const BY_TOLERANCE: f64 = 1e-3;
 /// The undamped step, in standard deviations, up to which a point counts as the minimum if no step reduces the error.
 const AT_MINIMUM: f64 = 1.0;
 /// Relative increase of the error that counts as rounding.
@@ -96,6 +102,12 @@ impl PredictionErrorEstimation {
         }
     }
 
+    /// The same with coarse simulations until the minimum is near.
+    #[must_use]
+    pub fn coarse_at_first(self) -> Self {
+        Self { refinements: COARSE, ..self }
+    }
+
     /// What to simulate next; none at the end.
     #[must_use]
     pub fn wanted(&self) -> Option<SimulationRequest<'_>> {
@@ -125,6 +137,12 @@ impl PredictionErrorEstimation {
         self.stage = Stage::Start(project(point.step(0.0)));
         self.whole_steps.clear();
         (self.best, self.damping, self.is_held_up) = (None, 0.0, false);
+    }
+
+    /// The iterations done.
+    #[must_use]
+    pub fn iterations(&self) -> &[Iteration] {
+        &self.outcome.iterations
     }
 
     /// The outcome, final or so far.
@@ -204,7 +222,9 @@ impl PredictionErrorEstimation {
         self.best = Some((point.theta.clone(), error(regression, &point.simulated.response)));
         self.point = Some(point);
         self.linearised += 1;
-        if is_small || self.is_settled() {
+        if self.is_coarse() && now <= FAR {
+            self.leave_coarse(is_small, project);
+        } else if is_small || self.is_settled() {
             self.end(Status::Converged, None);
         } else if self.linearised >= self.options.convergence.iterations {
             self.end_at_limit();
@@ -214,6 +234,22 @@ impl PredictionErrorEstimation {
             self.is_held_up = is_stuck;
             self.step(project);
         }
+    }
+
+    fn is_coarse(&self) -> bool {
+        self.refinements < 0
+    }
+
+    /// Goes on with simulations as fine as those of an estimation that is never coarse.
+    fn leave_coarse(&mut self, is_minimum: bool, project: &mut StepProjection<'_>) {
+        if is_minimum {
+            return self.refine();
+        }
+        self.refinements = 0;
+        if let Some((_, error)) = &mut self.best {
+            *error *= 1.0 + BY_TOLERANCE;
+        }
+        self.step(project);
     }
 
     /// The last undamped step in standard deviations; infinite if there is none.
@@ -250,6 +286,7 @@ impl PredictionErrorEstimation {
                 self.damping = (self.damping * DAMPING_FACTOR).max(FIRST_DAMPING);
                 self.step(project);
             }
+            Ok(_) | Err(_) if self.is_coarse() => self.refine(),
             Ok(_) if self.refinements < REFINEMENTS && self.whole_step() < NEAR => self.refine(),
             Ok(_) => self.end_at_limit(),
             Err(cause) => self.stall(cause),
@@ -409,6 +446,48 @@ mod tests {
         }
         let outcome = estimation.into_outcome();
         assert_eq!((outcome.status, outcome.fit.unwrap().theta), (Status::Stalled, start));
+    }
+
+    /// Coarse simulations err by a thousandth; the estimate is that of the fine ones, and fewer of those are needed.
+    #[test]
+    fn an_estimation_that_is_coarse_at_first_ends_with_fine_simulations() {
+        let regression = record();
+        let mut options = IterationOptions::default();
+        options.convergence.parameter_change = 1e-6;
+        let start = PredictionErrorEstimation::new(options, vec![vec![0.3, 2.0]]);
+        let mut estimation = start.coarse_at_first();
+        let mut tolerances = Vec::new();
+        while let Some(wanted) = estimation.wanted() {
+            let tolerance = estimation.tolerance();
+            tolerances.push(tolerance);
+            let simulated = |theta: &[f64]| {
+                let mut found = simulate(theta);
+                found
+                    .response
+                    .iter_mut()
+                    .enumerate()
+                    .for_each(|(k, r)| *r += 1e-4 * (tolerance - 1.0) * (k as f64).sin());
+                found
+            };
+            match wanted {
+                SimulationRequest::Response(theta) => {
+                    let response = Ok(simulated(theta).response);
+                    estimation.take_response(response, &regression, &mut |step| step.theta);
+                }
+                SimulationRequest::Sensitivities(theta) => {
+                    let found = Ok(simulated(theta));
+                    estimation.take_sensitivities(found, &regression, &mut |step| step.theta);
+                }
+            }
+        }
+        assert!(tolerances.len() > 6 && tolerances[..5].iter().all(|t| (t - 10.0).abs() < 1e-12), "{tolerances:?}");
+        assert_eq!(tolerances.last(), Some(&1.0));
+        let outcome = estimation.into_outcome();
+        assert_eq!(outcome.status, Status::Converged);
+        let (found, direct) = (outcome.fit.unwrap(), estimate(vec![vec![0.3, 2.0]], f64::INFINITY).fit.unwrap());
+        for i in 0..2 {
+            assert!((found.theta[i] - direct.theta[i]).abs() < 1e-6 * direct.standard_deviation[i]);
+        }
     }
 
     #[test]
