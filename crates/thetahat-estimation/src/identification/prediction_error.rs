@@ -448,7 +448,7 @@ mod tests {
         assert_eq!((outcome.status, outcome.fit.unwrap().theta), (Status::Stalled, start));
     }
 
-    /// Coarse simulations err by a thousandth; the estimate is that of the fine ones, and fewer of those are needed.
+    /// Coarse simulations err by a tenth of the noise; the estimate is that of the fine ones.
     #[test]
     fn an_estimation_that_is_coarse_at_first_ends_with_fine_simulations() {
         let regression = record();
@@ -461,7 +461,8 @@ mod tests {
             let tolerance = estimation.tolerance();
             tolerances.push(tolerance);
             let simulated = |theta: &[f64]| {
-                let mut found = simulate(theta);
+                let (mut found, error) = (simulate(theta), 1e-4 * (tolerance - 1.0).max(0.0));
+                found.response.iter_mut().enumerate().for_each(|(k, r)| *r += error * (k as f64).sin());
                 found
                     .response
                     .iter_mut()
@@ -480,8 +481,9 @@ mod tests {
                 }
             }
         }
-        assert!(tolerances.len() > 6 && tolerances[..5].iter().all(|t| (t - 10.0).abs() < 1e-12), "{tolerances:?}");
-        assert_eq!(tolerances.last(), Some(&1.0));
+        let coarse = tolerances.iter().take_while(|t| (**t - 10.0).abs() < 1e-12).count();
+        assert!(coarse >= 2 && tolerances[coarse..].iter().all(|t| *t == 1.0), "{tolerances:?}");
+        assert!(tolerances.len() > coarse + 2);
         let outcome = estimation.into_outcome();
         assert_eq!(outcome.status, Status::Converged);
         let (found, direct) = (outcome.fit.unwrap(), estimate(vec![vec![0.3, 2.0]], f64::INFINITY).fit.unwrap());

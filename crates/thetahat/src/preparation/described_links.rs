@@ -2,6 +2,7 @@
 
 use super::{
     error::PreparationError,
+    physical::validate_known,
     settings::{NamedChoice, ParameterChoice, Settings},
 };
 use thetahat_model::robot::{LinkQuantity, Quantity, Robot};
@@ -31,8 +32,14 @@ impl Settings {
     }
 }
 
+/// Whether the drives of a robot can be estimated alone: its description gives physical links.
+pub(crate) fn describes_links(robot: &Robot) -> bool {
+    let fix = inertial_parameters(robot).into_iter().collect();
+    link_without_mass(robot).is_none() && validate_known(robot, &fix, &[]).is_ok()
+}
+
 /// The name of the first joint whose link has no mass in the description.
-pub(crate) fn link_without_mass(robot: &Robot) -> Option<&str> {
+fn link_without_mass(robot: &Robot) -> Option<&str> {
     let (table, values) = (robot.parameter_table(), robot.a_priori_parameters());
     let is_massless = |j: &usize| table.value(&values, Quantity::Link(LinkQuantity::M), *j) <= 0.0;
     (0..robot.joints.len()).find(is_massless).map(|j| robot.joints[j].name.as_str())
@@ -66,6 +73,17 @@ mod tests {
     fn links_are_fixed_as_described_and_drives_are_not() {
         let fix = settings_for("m1 = 2\nxx1 = 0.1\nzz1 = 0.2\nia1 = 0.01\nfv1 = 1").unwrap().parameters.fix;
         assert_eq!((fix.len(), fix["m1"], fix["xx1"], fix["zz1"], fix["mx1"]), (10, 2.0, 0.1, 0.3, 0.0));
+    }
+
+    #[test]
+    fn physical_links_alone_are_taken_as_described() {
+        let describes = |inertia: &str| {
+            let text = format!("name = 'r'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n[parameters]\n{inertia}\n");
+            describes_links(&Robot::parse(&text, Path::new("r.toml")).unwrap())
+        };
+        assert!(describes("m1 = 2\nxx1 = 0.1\nyy1 = 0.1\nzz1 = 0.1"));
+        // No body has one moment of inertia above the sum of the others, and none has inertia without mass.
+        assert!(!describes("m1 = 2\nxx1 = 0.3\nyy1 = 0.1\nzz1 = 0.1") && !describes("zz1 = 0.1"));
     }
 
     #[test]

@@ -34,7 +34,7 @@ mod validation;
 mod wrapped;
 
 pub(crate) use consistent_set::consistent_set_of;
-pub(crate) use described_links::link_without_mass;
+pub(crate) use described_links::describes_links;
 pub use error::PreparationError;
 pub(crate) use filtered::{FilteredRecording, MOVING, STILL, torques, window_of};
 #[doc(hidden)]

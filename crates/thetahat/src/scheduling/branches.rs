@@ -30,7 +30,7 @@ pub(super) struct ResolvedBranch<'a> {
     inertia: Vec<f64>,
 }
 
-/// The parts of a robot that can be simulated apart; none where there is but one.
+/// The parts of a robot that can be simulated apart; none if there is but one.
 pub(super) fn branches_of(robot: &Robot, loops: &[RecordedLoop<'_>]) -> Vec<BranchLoops> {
     let branches = robot.branches();
     let apart = branches.len() > 1
@@ -51,7 +51,7 @@ pub(super) fn branches_of(robot: &Robot, loops: &[RecordedLoop<'_>]) -> Vec<Bran
 }
 
 impl<'a> ResolvedBranch<'a> {
-    /// Each part with its own of what a simulation of the whole takes; none where the whole is simulated.
+    /// Each part with its own of what a simulation of the whole takes; none if the whole is simulated.
     pub(super) fn of_all(
         branches: &'a [BranchLoops],
         (controller, transmission): (&ControllerDescription, &Transmission),

@@ -18,7 +18,7 @@ impl Simulator<'_> {
         Ok(self.problem.regression.layout.stack_vectors(self.loops.iter().map(of_loop).collect::<Result<_, _>>()?))
     }
 
-    /// The torques that the controller asks for in the recorded motion, in the rows of y, less those of fixed parameters; none where
+    /// The torques that the controller asks for in the recorded motion, in the rows of y, less those of fixed parameters; none if
     /// torques were recorded.
     pub(super) fn commanded_torques(&self) -> Option<Vec<f64>> {
         if self.loops.iter().any(|l| l.filtered.recording.torque.is_some()) {

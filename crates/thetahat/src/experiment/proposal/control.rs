@@ -1,7 +1,7 @@
 //! The controller of a log without torques: CLOE fits the positions that it gives.
 
 use super::{request::ProposalRequest, source::Source};
-use crate::{experiment::column_names, preparation::link_without_mass};
+use crate::{experiment::column_names, preparation::describes_links};
 use thetahat_model::robot::Robot;
 
 /// Names of columns that hold the gains of a controller.
@@ -17,8 +17,7 @@ pub struct ProposedControl {
     pub velocity_gain: Vec<f64>,
     /// Columns of desired torques, which the controller computed: they are no measurement.
     pub desired_torques: Vec<String>,
-    /// Whether the links are as the description has them, which gives each a mass: the motion of soft joints without torques shows
-    /// little of the links.
+    /// Whether the links are taken as the description has them, where they are physical: positions alone show little of them.
     pub trusts_links: bool,
 }
 
@@ -37,7 +36,7 @@ pub(super) fn control(request: &ProposalRequest, sources: &[Source<'_>], robot: 
             .flat_map(Source::names)
             .filter(|name| column_names::says_desired_torque(name))
             .collect(),
-        trusts_links: link_without_mass(robot).is_none(),
+        trusts_links: describes_links(robot),
     }
 }
 
