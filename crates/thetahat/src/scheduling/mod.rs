@@ -4,6 +4,7 @@
 //! for them ([`thetahat_estimation::identification::Estimation`]); [`run_all`] collects what all of them want, and runs up to four
 //! simulations in the lanes of a vector. Results are bit-identical alone or batched.
 
+mod apart;
 mod branches;
 mod fitting;
 mod job;
@@ -12,6 +13,8 @@ mod requests;
 mod response;
 mod scheduler;
 mod simulator;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use job::EstimationJob;
 pub(crate) use requests::instruments_side_by_side;

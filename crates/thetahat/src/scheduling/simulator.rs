@@ -156,7 +156,8 @@ impl<'a> Simulator<'a> {
         let simulator = if self.keeps_gains_for(method) { self.with_kept_gains() } else { self };
         match method.needs() {
             Needs::Sensitivities => {
-                let branches = branches_of(&simulator.robot, &simulator.loops);
+                let loops: Vec<ClosedLoop<'_>> = simulator.loops.iter().map(|l| l.closed_loop).collect();
+                let branches = branches_of(&simulator.robot, &loops);
                 Self { branches, ..simulator }
             }
             Needs::Measurement | Needs::Instruments => simulator,
