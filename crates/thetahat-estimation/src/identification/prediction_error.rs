@@ -482,7 +482,7 @@ mod tests {
             }
         }
         let coarse = tolerances.iter().take_while(|t| (**t - 10.0).abs() < 1e-12).count();
-        assert!(coarse >= 2 && tolerances[coarse..].iter().all(|t| *t == 1.0), "{tolerances:?}");
+        assert!(coarse >= 2 && tolerances[coarse..].iter().all(|t| *t <= 1.0), "{tolerances:?}");
         assert!(tolerances.len() > coarse + 2);
         let outcome = estimation.into_outcome();
         assert_eq!(outcome.status, Status::Converged);
