@@ -24,7 +24,7 @@ const NEAR: f64 = 3.0;
 const PROGRESS: f64 = 0.5;
 const FINER: f64 = 0.1;
 const REFINEMENTS: i32 = 2;
-/// An estimation that is coarse at first simulates with coarser tolerances by one factor...
+/// An estimation with near start values simulates with coarser tolerances by one factor...
 const COARSE: i32 = -1;
 /// ... until the undamped step is this small, in standard deviations: the errors of coarse simulations are then of its size.
 const FAR: f64 = 10.0;
@@ -63,6 +63,7 @@ pub struct PredictionErrorEstimation {
     /// The undamped steps in standard deviations at each linearisation, and how often tolerances were made finer.
     whole_steps: Vec<f64>,
     refinements: i32,
+    starts_near: bool,
     is_held_up: bool,
     outcome: Outcome,
 }
@@ -75,6 +76,8 @@ enum Stage {
     Linearise(Vec<f64>),
     /// The parameters after a step are tried.
     Step(Vec<f64>),
+    /// The parameters after an undamped step that hardly fails are tried, and linearised at the same time.
+    Leap(Vec<f64>),
     Over,
 }
 
@@ -97,15 +100,16 @@ impl PredictionErrorEstimation {
             linearised: 0,
             whole_steps: Vec::new(),
             refinements: 0,
+            starts_near: false,
             is_held_up: false,
             outcome,
         }
     }
 
-    /// The same with coarse simulations until the minimum is near.
+    /// The same for start values near the minimum: simulations are coarse at first, and undamped steps are linearised at once.
     #[must_use]
-    pub fn coarse_at_first(self) -> Self {
-        Self { refinements: COARSE, ..self }
+    pub fn with_near_starts(self) -> Self {
+        Self { refinements: COARSE, starts_near: true, ..self }
     }
 
     /// What to simulate next; none at the end.
@@ -113,7 +117,7 @@ impl PredictionErrorEstimation {
     pub fn wanted(&self) -> Option<SimulationRequest<'_>> {
         match &self.stage {
             Stage::Start(theta) | Stage::Step(theta) => Some(SimulationRequest::Response(theta)),
-            Stage::Linearise(theta) => Some(SimulationRequest::Sensitivities(theta)),
+            Stage::Linearise(theta) | Stage::Leap(theta) => Some(SimulationRequest::Sensitivities(theta)),
             Stage::Over => None,
         }
     }
@@ -165,7 +169,7 @@ impl PredictionErrorEstimation {
         match std::mem::replace(&mut self.stage, Stage::Over) {
             Stage::Start(theta) => self.start(theta, found),
             Stage::Step(theta) => self.judge(theta, found, project),
-            Stage::Linearise(_) | Stage::Over => {}
+            Stage::Linearise(_) | Stage::Leap(_) | Stage::Over => {}
         }
     }
 
@@ -177,11 +181,21 @@ impl PredictionErrorEstimation {
         project: &mut StepProjection<'_>,
     ) {
         self.outcome.simulations += 1;
-        if let Stage::Linearise(theta) = std::mem::replace(&mut self.stage, Stage::Over) {
-            match simulated {
+        match std::mem::replace(&mut self.stage, Stage::Over) {
+            Stage::Linearise(theta) => match simulated {
                 Ok(simulated) => self.linearise(theta, simulated, regression, project),
                 Err(cause) => self.stall(cause),
-            }
+            },
+            Stage::Leap(theta) => match simulated {
+                Ok(simulated) => {
+                    self.judge(theta.clone(), Ok(error(regression, &simulated.response)), project);
+                    if self.stage == Stage::Linearise(theta.clone()) {
+                        self.linearise(theta, simulated, regression, project);
+                    }
+                }
+                Err(cause) => self.judge(theta, Err(cause), project),
+            },
+            Stage::Start(_) | Stage::Step(_) | Stage::Over => {}
         }
     }
 
@@ -246,6 +260,8 @@ impl PredictionErrorEstimation {
             return self.refine();
         }
         self.refinements = 0;
+        // What follows is not compared with the steps of coarse simulations.
+        self.whole_steps.clear();
         if let Some((_, error)) = &mut self.best {
             *error *= 1.0 + BY_TOLERANCE;
         }
@@ -266,7 +282,9 @@ impl PredictionErrorEstimation {
     /// Tries the step with the current damping.
     fn step(&mut self, project: &mut StepProjection<'_>) {
         let Some(point) = &self.point else { return };
-        self.stage = Stage::Step(project(point.step(self.damping)));
+        let next = project(point.step(self.damping));
+        let leaps = self.starts_near && self.damping == 0.0 && !self.is_coarse();
+        self.stage = if leaps { Stage::Leap(next) } else { Stage::Step(next) };
     }
 
     /// Accepts a step that reduces the error; damps any other.
@@ -450,12 +468,12 @@ mod tests {
 
     /// Coarse simulations err by a tenth of the noise; the estimate is that of the fine ones.
     #[test]
-    fn an_estimation_that_is_coarse_at_first_ends_with_fine_simulations() {
+    fn an_estimation_with_near_starts_ends_with_fine_simulations() {
         let regression = record();
         let mut options = IterationOptions::default();
         options.convergence.parameter_change = 1e-6;
         let start = PredictionErrorEstimation::new(options, vec![vec![0.3, 2.0]]);
-        let mut estimation = start.coarse_at_first();
+        let mut estimation = start.with_near_starts();
         let mut tolerances = Vec::new();
         while let Some(wanted) = estimation.wanted() {
             let tolerance = estimation.tolerance();

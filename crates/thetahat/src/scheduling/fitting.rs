@@ -34,7 +34,7 @@ impl<'a> Fitting<'a> {
         let starts = physical.starts(&job.start).into_iter().map(with_loop).collect();
         let estimation = PredictionErrorEstimation::new(options, starts);
         // What the controller asks for gives a start that is near, to which coarse simulations lead as well.
-        let estimation = if job.commanded.is_some() { estimation.coarse_at_first() } else { estimation };
+        let estimation = if job.commanded.is_some() { estimation.with_near_starts() } else { estimation };
         Self { job, simulator, estimation, physical }
     }
 
