@@ -32,6 +32,8 @@ const FAR: f64 = 10.0;
 const BY_TOLERANCE: f64 = 1e-3;
 /// The undamped step, in standard deviations, up to which a point counts as the minimum if no step reduces the error.
 const AT_MINIMUM: f64 = 1.0;
+/// Relative increase of the error that does not refuse a step that is linearised already: its undamped step shows whether it is near.
+const LINEARISED: f64 = 1e-4;
 /// Relative increase of the error that counts as rounding.
 const ROUNDING: f64 = 1e-13;
 
@@ -188,9 +190,12 @@ impl PredictionErrorEstimation {
             },
             Stage::Leap(theta) => match simulated {
                 Ok(simulated) => {
-                    self.judge(theta.clone(), Ok(error(regression, &simulated.response)), project);
-                    if self.stage == Stage::Linearise(theta.clone()) {
+                    let found = error(regression, &simulated.response);
+                    let best = self.best.as_ref().map_or(f64::INFINITY, |(_, error)| *error);
+                    if found <= best * (1.0 + LINEARISED) {
                         self.linearise(theta, simulated, regression, project);
+                    } else {
+                        self.judge(theta, Ok(found), project);
                     }
                 }
                 Err(cause) => self.judge(theta, Err(cause), project),
