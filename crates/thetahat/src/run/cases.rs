@@ -6,7 +6,7 @@ use super::{
     assessment::Assessment,
     curves,
     estimation_data::EstimationData,
-    examination::{ExaminationModel, compare, examine, examine_robot, with_note},
+    examination::{ExaminationModel, compare, examine, examine_robot, with_filter_explained, with_note},
     identification::{CaseProblem, Identification},
     parameters::elimination_result,
     prepared::{PreparedRecording, filtered},
@@ -277,17 +277,6 @@ fn with_tracking_explained(mut findings: Vec<RecordingFindings>) -> Vec<Recordin
         finding.severity = Severity::Note;
         finding.message += "; the simulated loop does the same";
         finding.remedy = "nothing to do: the controller is soft".to_owned();
-    }
-    findings
-}
-
-/// Positions are fitted as they were recorded: the noise of filtered accelerations reaches start values alone.
-fn with_filter_explained(mut findings: Vec<RecordingFindings>) -> Vec<RecordingFindings> {
-    let all = findings.iter_mut().flat_map(|of| &mut of.findings);
-    for finding in all.filter(|f| f.code == Code::CutoffHigh) {
-        finding.severity = Severity::Note;
-        finding.message += "; positions are fitted as recorded, without it";
-        finding.remedy = "nothing to do: the filter makes only start values".to_owned();
     }
     findings
 }
