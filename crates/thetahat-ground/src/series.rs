@@ -112,6 +112,29 @@ impl Series {
         Self::shaped(columns.len(), values)
     }
 
+    /// Some of the channels, in the order given.
+    ///
+    /// # Panics
+    /// If no channel is given, or one that does not exist.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn select(&self, channels: &[usize]) -> Self {
+        let values = self.values.chunks_exact(self.channels).flat_map(|sample| channels.iter().map(|&c| sample[c]));
+        Self::shaped(channels.len(), values.collect())
+    }
+
+    /// Writes another series of as many samples to some of the channels.
+    ///
+    /// # Panics
+    /// If the other has not one channel for each of `channels`, or more samples.
+    #[doc(hidden)]
+    pub fn write(&mut self, channels: &[usize], other: &Self) {
+        for k in 0..other.len() {
+            let sample = self.sample_mut(k);
+            channels.iter().zip(other.sample(k)).for_each(|(&c, value)| sample[c] = *value);
+        }
+    }
+
     /// Number of channels.
     #[must_use]
     #[inline]

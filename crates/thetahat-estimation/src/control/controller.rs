@@ -285,6 +285,23 @@ impl ControllerDescription {
         }
     }
 
+    /// The description for some of the motors; none of a law of the user's own, which knows motors by their numbers.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn of_motors(&self, motors: &[usize]) -> Option<Self> {
+        let part = |list: &[f64]| match list {
+            [] | [_] => list.to_vec(),
+            all => motors.iter().map(|&i| all[i]).collect(),
+        };
+        self.own.is_none().then(|| Self {
+            bandwidth_hz: part(&self.bandwidth_hz),
+            position_gain: part(&self.position_gain),
+            velocity_gain: part(&self.velocity_gain),
+            saturation: part(&self.saturation),
+            ..self.clone()
+        })
+    }
+
     /// States the position and velocity gains of each motor, those for its inertia where a bandwidth gave them.
     #[doc(hidden)]
     pub fn state_gains(&mut self, inertia: &[f64]) {

@@ -72,18 +72,19 @@ impl<'a> Assembly<'a> {
         Ok((0..tau.channels()).flat_map(|j| decimated.channel(j)).collect())
     }
 
-    /// A simulated response and its sensitivities in the rows of y. `fill` is called for each sample in order and writes one value for each
-    /// joint, followed by `parameters` derivatives for each.
+    /// A simulated response and its sensitivities in the rows of y of some joints. `fill` is called for each sample in order and writes one
+    /// value for each of them, followed by `parameters` derivatives for each.
     ///
     /// # Errors
     /// The errors of `fill`, and [`SimulationError::TooShortToFilter`].
     #[doc(hidden)]
     pub fn response_with_sensitivities(
         &self,
+        of: &[usize],
         parameters: usize,
         mut fill: impl FnMut(&mut [f64], &mut [f64]) -> Result<(), SimulationError>,
     ) -> Result<SimulatedResponse, SimulationError> {
-        let (joints, rows) = (self.model.coordinate_count(), self.rows_per_joint());
+        let (joints, rows) = (of.len(), self.rows_per_joint());
         let mut failure = None;
         let [mut centred_values, mut centred_slopes] = [0, 1].map(|_| CentredHold::new(self.held_part_of_step));
         let decimated = self.decimator.decimate_computed(joints * (1 + parameters), |k, sample| {
@@ -94,8 +95,8 @@ impl<'a> Assembly<'a> {
             centred_values.pass(values);
             centred_slopes.pass(slopes);
             if let Some(mask) = &self.mask {
-                mask.scale(k, values, |joint| joint);
-                mask.scale(k, slopes, |slope| slope / parameters);
+                mask.scale(k, values, |joint| of[joint]);
+                mask.scale(k, slopes, |slope| of[slope / parameters]);
             }
         });
         if let Some(failure) = failure {

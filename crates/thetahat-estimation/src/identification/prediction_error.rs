@@ -24,8 +24,16 @@ const NEAR: f64 = 3.0;
 const PROGRESS: f64 = 0.5;
 const FINER: f64 = 0.1;
 const REFINEMENTS: i32 = 2;
+/// An estimation with near start values simulates with coarser tolerances by one factor...
+const COARSE: i32 = -1;
+/// ... until the undamped step is this small, in standard deviations: the errors of coarse simulations are then of its size.
+const FAR: f64 = 10.0;
+/// Relative increase of the error that a finer simulation of the same parameters may cause.
+const BY_TOLERANCE: f64 = 1e-3;
 /// The undamped step, in standard deviations, up to which a point counts as the minimum if no step reduces the error.
 const AT_MINIMUM: f64 = 1.0;
+/// Relative increase of the error that does not refuse a step that is linearised already: its undamped step shows whether it is near.
+const LINEARISED: f64 = 1e-4;
 /// Relative increase of the error that counts as rounding.
 const ROUNDING: f64 = 1e-13;
 
@@ -57,6 +65,7 @@ pub struct PredictionErrorEstimation {
     /// The undamped steps in standard deviations at each linearisation, and how often tolerances were made finer.
     whole_steps: Vec<f64>,
     refinements: i32,
+    starts_near: bool,
     is_held_up: bool,
     outcome: Outcome,
 }
@@ -69,6 +78,8 @@ enum Stage {
     Linearise(Vec<f64>),
     /// The parameters after a step are tried.
     Step(Vec<f64>),
+    /// The parameters after an undamped step that hardly fails are tried, and linearised at the same time.
+    Leap(Vec<f64>),
     Over,
 }
 
@@ -91,9 +102,16 @@ impl PredictionErrorEstimation {
             linearised: 0,
             whole_steps: Vec::new(),
             refinements: 0,
+            starts_near: false,
             is_held_up: false,
             outcome,
         }
+    }
+
+    /// The same for start values near the minimum: simulations are coarse at first, and undamped steps are linearised at once.
+    #[must_use]
+    pub fn with_near_starts(self) -> Self {
+        Self { refinements: COARSE, starts_near: true, ..self }
     }
 
     /// What to simulate next; none at the end.
@@ -101,7 +119,7 @@ impl PredictionErrorEstimation {
     pub fn wanted(&self) -> Option<SimulationRequest<'_>> {
         match &self.stage {
             Stage::Start(theta) | Stage::Step(theta) => Some(SimulationRequest::Response(theta)),
-            Stage::Linearise(theta) => Some(SimulationRequest::Sensitivities(theta)),
+            Stage::Linearise(theta) | Stage::Leap(theta) => Some(SimulationRequest::Sensitivities(theta)),
             Stage::Over => None,
         }
     }
@@ -127,6 +145,12 @@ impl PredictionErrorEstimation {
         (self.best, self.damping, self.is_held_up) = (None, 0.0, false);
     }
 
+    /// The iterations done.
+    #[must_use]
+    pub fn iterations(&self) -> &[Iteration] {
+        &self.outcome.iterations
+    }
+
     /// The outcome, final or so far.
     #[must_use]
     pub fn into_outcome(self) -> Outcome {
@@ -147,7 +171,7 @@ impl PredictionErrorEstimation {
         match std::mem::replace(&mut self.stage, Stage::Over) {
             Stage::Start(theta) => self.start(theta, found),
             Stage::Step(theta) => self.judge(theta, found, project),
-            Stage::Linearise(_) | Stage::Over => {}
+            Stage::Linearise(_) | Stage::Leap(_) | Stage::Over => {}
         }
     }
 
@@ -159,11 +183,24 @@ impl PredictionErrorEstimation {
         project: &mut StepProjection<'_>,
     ) {
         self.outcome.simulations += 1;
-        if let Stage::Linearise(theta) = std::mem::replace(&mut self.stage, Stage::Over) {
-            match simulated {
+        match std::mem::replace(&mut self.stage, Stage::Over) {
+            Stage::Linearise(theta) => match simulated {
                 Ok(simulated) => self.linearise(theta, simulated, regression, project),
                 Err(cause) => self.stall(cause),
-            }
+            },
+            Stage::Leap(theta) => match simulated {
+                Ok(simulated) => {
+                    let found = error(regression, &simulated.response);
+                    let best = self.best.as_ref().map_or(f64::INFINITY, |(_, error)| *error);
+                    if found <= best * (1.0 + LINEARISED) {
+                        self.linearise(theta, simulated, regression, project);
+                    } else {
+                        self.judge(theta, Ok(found), project);
+                    }
+                }
+                Err(cause) => self.judge(theta, Err(cause), project),
+            },
+            Stage::Start(_) | Stage::Step(_) | Stage::Over => {}
         }
     }
 
@@ -204,7 +241,9 @@ impl PredictionErrorEstimation {
         self.best = Some((point.theta.clone(), error(regression, &point.simulated.response)));
         self.point = Some(point);
         self.linearised += 1;
-        if is_small || self.is_settled() {
+        if self.is_coarse() && now <= FAR {
+            self.leave_coarse(is_small, project);
+        } else if is_small || self.is_settled() {
             self.end(Status::Converged, None);
         } else if self.linearised >= self.options.convergence.iterations {
             self.end_at_limit();
@@ -214,6 +253,24 @@ impl PredictionErrorEstimation {
             self.is_held_up = is_stuck;
             self.step(project);
         }
+    }
+
+    fn is_coarse(&self) -> bool {
+        self.refinements < 0
+    }
+
+    /// Goes on with simulations as fine as those of an estimation that is never coarse.
+    fn leave_coarse(&mut self, is_minimum: bool, project: &mut StepProjection<'_>) {
+        if is_minimum {
+            return self.refine();
+        }
+        self.refinements = 0;
+        // What follows is not compared with the steps of coarse simulations.
+        self.whole_steps.clear();
+        if let Some((_, error)) = &mut self.best {
+            *error *= 1.0 + BY_TOLERANCE;
+        }
+        self.step(project);
     }
 
     /// The last undamped step in standard deviations; infinite if there is none.
@@ -230,7 +287,9 @@ impl PredictionErrorEstimation {
     /// Tries the step with the current damping.
     fn step(&mut self, project: &mut StepProjection<'_>) {
         let Some(point) = &self.point else { return };
-        self.stage = Stage::Step(project(point.step(self.damping)));
+        let next = project(point.step(self.damping));
+        let leaps = self.starts_near && self.damping == 0.0 && !self.is_coarse();
+        self.stage = if leaps { Stage::Leap(next) } else { Stage::Step(next) };
     }
 
     /// Accepts a step that reduces the error; damps any other.
@@ -250,6 +309,7 @@ impl PredictionErrorEstimation {
                 self.damping = (self.damping * DAMPING_FACTOR).max(FIRST_DAMPING);
                 self.step(project);
             }
+            Ok(_) | Err(_) if self.is_coarse() => self.refine(),
             Ok(_) if self.refinements < REFINEMENTS && self.whole_step() < NEAR => self.refine(),
             Ok(_) => self.end_at_limit(),
             Err(cause) => self.stall(cause),
@@ -409,6 +469,47 @@ mod tests {
         }
         let outcome = estimation.into_outcome();
         assert_eq!((outcome.status, outcome.fit.unwrap().theta), (Status::Stalled, start));
+    }
+
+    /// Coarse simulations err by the size of the noise; the last ones are fine.
+    #[test]
+    fn an_estimation_with_near_starts_ends_with_fine_simulations() {
+        let regression = record();
+        let mut options = IterationOptions::default();
+        options.convergence.parameter_change = 1e-6;
+        let start = PredictionErrorEstimation::new(options, vec![vec![0.3, 2.0]]);
+        let mut estimation = start.with_near_starts();
+        let mut tolerances = Vec::new();
+        while let Some(wanted) = estimation.wanted() {
+            let tolerance = estimation.tolerance();
+            tolerances.push(tolerance);
+            let simulated = |theta: &[f64]| {
+                let (mut found, error) = (simulate(theta), 1e-4 * (tolerance - 1.0).max(0.0));
+                found.response.iter_mut().enumerate().for_each(|(k, r)| *r += error * (k as f64).sin());
+                found
+                    .response
+                    .iter_mut()
+                    .enumerate()
+                    .for_each(|(k, r)| *r += 1e-4 * (tolerance - 1.0) * (k as f64).sin());
+                found
+            };
+            match wanted {
+                SimulationRequest::Response(theta) => {
+                    let response = Ok(simulated(theta).response);
+                    estimation.take_response(response, &regression, &mut |step| step.theta);
+                }
+                SimulationRequest::Sensitivities(theta) => {
+                    let found = Ok(simulated(theta));
+                    estimation.take_sensitivities(found, &regression, &mut |step| step.theta);
+                }
+            }
+        }
+        let coarse = tolerances.iter().take_while(|t| (**t - 10.0).abs() < 1e-12).count();
+        assert!(coarse >= 2 && tolerances[coarse..].iter().all(|t| *t <= 1.0), "{tolerances:?}");
+        assert!(tolerances.len() > coarse + 2);
+        let outcome = estimation.into_outcome();
+        assert_eq!(outcome.status, Status::Converged);
+        assert!(outcome.fit.is_some());
     }
 
     #[test]

@@ -54,3 +54,26 @@ pub enum SimulationError {
         step_s: f64,
     },
 }
+
+impl SimulationError {
+    /// The error of a part of the robot with these coordinates and joints, in the numbers of the whole.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn of_part(self, coordinates: &[usize], joints: &[usize]) -> Self {
+        let whole = |of: &[usize], number: usize| of.get(number.wrapping_sub(1)).map_or(number, |place| place + 1);
+        match self {
+            Self::Diverged { joint, time_s, velocity } => {
+                Self::Diverged { joint: whole(coordinates, joint), time_s, velocity }
+            }
+            Self::Dynamics { time_s, source: DynamicsError::MassMatrixNotPositiveDefinite { joint, pivot } } => {
+                let source = DynamicsError::MassMatrixNotPositiveDefinite { joint: whole(joints, joint), pivot };
+                Self::Dynamics { time_s, source }
+            }
+            Self::Dynamics { .. }
+            | Self::StepTooSmall { .. }
+            | Self::TooShortToFilter
+            | Self::TooStiff { .. }
+            | Self::TooManySteps { .. } => self,
+        }
+    }
+}

@@ -33,3 +33,24 @@ pub struct SimulatedMotion {
     /// Work done.
     pub counts: WorkCounts,
 }
+
+impl SimulatedMotion {
+    /// A motion at rest at zero of so many joints, to which those of parts are written.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn zeros(samples: usize, joints: usize) -> Self {
+        let [q, dq, ddq, tau] = [(); 4].map(|()| Series::zeros(samples, joints));
+        Self { q, dq, ddq, tau, counts: WorkCounts::default() }
+    }
+
+    /// Writes the motion of a part of the robot with these coordinates.
+    #[doc(hidden)]
+    pub fn write(&mut self, coordinates: &[usize], part: &Self) {
+        let series = [(&mut self.q, &part.q), (&mut self.dq, &part.dq), (&mut self.ddq, &part.ddq)];
+        series.into_iter().chain([(&mut self.tau, &part.tau)]).for_each(|(to, from)| to.write(coordinates, from));
+        let WorkCounts { evaluations, steps, rejected } = part.counts;
+        self.counts.evaluations += evaluations;
+        self.counts.steps += steps;
+        self.counts.rejected += rejected;
+    }
+}

@@ -186,6 +186,14 @@ impl Reference {
         }
     }
 
+    /// The reference of some of the joints.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn of_joints(&self, joints: &[usize]) -> Self {
+        let part = |all: &[f64]| joints.iter().map(|&j| all[j]).collect();
+        self.mapped(&part, &part)
+    }
+
     /// Number of joints.
     #[must_use]
     pub fn joints(&self) -> usize {
@@ -198,7 +206,8 @@ impl Reference {
 }
 
 fn mapped(series: &Series, map: &dyn Fn(&[f64]) -> Vec<f64>) -> Series {
-    Series::shaped(series.channels(), (0..series.len()).flat_map(|k| map(series.sample(k))).collect())
+    let values: Vec<f64> = (0..series.len()).flat_map(|k| map(series.sample(k))).collect();
+    Series::shaped((values.len() / series.len().max(1)).max(1), values)
 }
 
 #[cfg(test)]

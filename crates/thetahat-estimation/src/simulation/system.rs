@@ -184,6 +184,15 @@ impl<'a> Loop<'a> {
         self.plant.drive(&self.u);
     }
 
+    /// Writes the joint torques that the controller asks for in a state to the plant, as if it acted at once.
+    fn command_at(&mut self, t: f64, x: &[f64]) {
+        self.reference.evaluate(t);
+        self.plant.observe(x);
+        command(&self.controller, &self.reference, &self.plant, &mut self.u);
+        self.add_recorded_signal(t);
+        self.plant.drive(&self.u);
+    }
+
     /// The drive signals of a continuous controller; a sampled one holds its own.
     fn drive_continuously(&mut self, t: f64, x: &[f64]) {
         if !self.controller.is_sampled() {
@@ -220,6 +229,23 @@ impl<'a> Loop<'a> {
             Some(j) => Err(SimulationError::Diverged { joint: j + 1, time_s: t, velocity: velocities[j] }),
             None => Ok(()),
         }
+    }
+}
+
+impl Job<'_> {
+    /// The joint torques that the controller asks for at each time of the grid in the states of a measured motion, as if it acted
+    /// at once on what was measured: all that is known of the torques where none were recorded.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn commanded_torques(&self, q: &Series, dq: &Series) -> Series {
+        let mut system = Loop::new(self);
+        let mut torques = Series::zeros(q.len(), q.channels());
+        for k in 0..q.len() {
+            let x = [q.sample(k), dq.sample(k)].concat();
+            system.command_at(self.grid.time(k), &x);
+            torques.sample_mut(k).copy_from_slice(&system.plant.tau);
+        }
+        torques
     }
 }
 

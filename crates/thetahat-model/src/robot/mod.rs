@@ -16,6 +16,7 @@
 //! ```
 
 mod body;
+mod branches;
 mod description;
 mod encoding;
 mod error;
@@ -38,6 +39,7 @@ mod xacro;
 
 #[doc(hidden)]
 pub use body::{Frame, RigidBody};
+pub use branches::Branch;
 pub use description::{Doubt, DoubtGrade, Robot};
 pub use error::RobotError;
 pub use joint::{DenavitHartenberg, Joint, JointKind, Limits, Mimic, Placement};

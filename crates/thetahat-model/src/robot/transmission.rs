@@ -97,6 +97,26 @@ impl Transmission {
         (0..self.joints()).filter(|&i| moves(i) > 1).collect()
     }
 
+    /// The coordinates, from zero, with which a motor turns.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn coordinates_of(&self, motor: usize) -> Vec<usize> {
+        (0..self.joints()).filter(|&j| self.matrix.at(motor, j) != 0.0).collect()
+    }
+
+    /// The transmission of some motors to some coordinates; none if these motors do not determine them.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn part(&self, motors: &[usize], coordinates: &[usize]) -> Option<Self> {
+        if motors.len() != coordinates.len() {
+            return None;
+        }
+        let size = motors.len();
+        let matrix = Matrix::from_fn(size, size, |i, j| self.matrix.at(motors[i], coordinates[j]));
+        let offset = coordinates.iter().map(|&j| self.offset[j]).collect();
+        Self::new(matrix, offset, motors.iter().map(|&i| self.drive_gain[i]).collect())
+    }
+
     /// Whether several motors contribute to a joint's torque; the joint counts from zero.
     #[must_use]
     pub fn has_several_motors(&self, joint: usize) -> bool {

@@ -327,6 +327,8 @@ impl Experiment {
         robot
             .add_terms(&file.terms)
             .map_err(|source| RobotError::Term { path: path.to_owned(), source: Box::new(source) })?;
+        let of_settings = |source| ExperimentError::Preparation { path: path.to_owned(), source };
+        let settings = settings.for_robot(&robot).map_err(of_settings)?;
         file.twin.iter_mut().for_each(|twin| twin.repeat_for(robot.coordinate_count()));
         let robot_files = [Some(source.path()), source.urdf_path()].into_iter().flatten().map(Path::to_owned).collect();
         let robot_hashes = source.files();

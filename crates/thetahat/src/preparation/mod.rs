@@ -14,6 +14,7 @@
 //! ```
 
 mod consistent_set;
+mod described_links;
 mod error;
 mod filtered;
 mod loop_parameters;
@@ -33,6 +34,7 @@ mod validation;
 mod wrapped;
 
 pub(crate) use consistent_set::consistent_set_of;
+pub(crate) use described_links::describes_links;
 pub use error::PreparationError;
 pub(crate) use filtered::{FilteredRecording, MOVING, STILL, torques, window_of};
 #[doc(hidden)]

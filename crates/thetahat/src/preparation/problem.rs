@@ -141,7 +141,9 @@ impl Setup<'_> {
     ) -> Result<SelectedParameters, PreparationError> {
         base.select(model.parameter_table(), &self.settings.parameters.show)?;
         let elimination = match choice {
-            ParameterChoice::Base | ParameterChoice::List(_) | ParameterChoice::Named(NamedChoice::Base) => None,
+            ParameterChoice::Base
+            | ParameterChoice::List(_)
+            | ParameterChoice::Named(NamedChoice::Base | NamedChoice::Drives) => None,
             // A set that cannot be estimated as a whole has nothing to start an elimination from; its runs say why.
             ParameterChoice::Named(NamedChoice::Essential) => {
                 let rule = self.settings.parameters.elimination;

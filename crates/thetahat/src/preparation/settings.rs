@@ -225,7 +225,7 @@ pub struct ModelOptions {
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ParameterSelection {
-    /// `"base"`, `"essential"`, or a list of base parameters.
+    /// `"base"`, `"essential"`, `"drives"`, or a list of base parameters.
     pub estimate: ParameterChoice,
     /// Standard parameters taken as zero.
     pub exclude: Vec<String>,
@@ -245,13 +245,13 @@ pub struct ParameterSelection {
 
 /// The parameters of a run.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
-#[serde(untagged, expecting = "expected \"base\", \"essential\" or a list of base parameters")]
+#[serde(untagged, expecting = "expected \"base\", \"essential\", \"drives\" or a list of base parameters")]
 pub enum ParameterChoice {
     /// All base parameters.
     #[default]
     #[serde(skip)]
     Base,
-    /// `"base"` or `"essential"`.
+    /// `"base"`, `"essential"` or `"drives"`.
     Named(NamedChoice),
     /// Base parameters by name.
     List(Vec<String>),
@@ -262,7 +262,7 @@ impl ParameterChoice {
     #[must_use]
     pub fn takes_all(&self) -> bool {
         match self {
-            Self::Base | Self::Named(NamedChoice::Base) => true,
+            Self::Base | Self::Named(NamedChoice::Base | NamedChoice::Drives) => true,
             Self::Named(NamedChoice::Essential) | Self::List(_) => false,
         }
     }
@@ -276,6 +276,8 @@ pub enum NamedChoice {
     Base,
     /// Those that an elimination leaves.
     Essential,
+    /// Motor inertia, friction and offset; the links are as the robot's description has them.
+    Drives,
 }
 
 /// Methods and their options.

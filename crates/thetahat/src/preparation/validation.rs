@@ -96,7 +96,7 @@ impl Settings {
         validate_window("[signal]", [signal.window_start_s, signal.window_end_s])
     }
 
-    /// Fixed parameters are taken off torques: what compares simulated signals with whole ones cannot have any.
+    /// Fixed parameters are taken off torques: what compares simulated torques with whole ones cannot have any.
     fn validate_fixed(&self, robot: &Robot) -> Checked {
         let ParameterSelection { fix, exclude, .. } = &self.parameters;
         if fix.is_empty() {
@@ -105,8 +105,9 @@ impl Settings {
         if let Some(name) = fix.keys().find(|name| exclude.contains(name)) {
             return Err(PreparationError::value("[parameters] fix", "parameters that are not excluded", name));
         }
-        if let Some(method) = self.all_methods().into_iter().find(|m| m.needs() == Needs::Sensitivities) {
-            let expected = "idim-ls, idim-wls, idim-iv or didim where [parameters] fix gives values";
+        let compares_torques = |m: &Method| m.needs() == Needs::Sensitivities && m.response() == Response::Torque;
+        if let Some(method) = self.all_methods().into_iter().find(compares_torques) {
+            let expected = "idim-ls, idim-wls, idim-iv, didim or cloe where [parameters] fix gives values";
             return Err(PreparationError::value("methods", expected, method));
         }
         validate_known(robot, fix, &[])

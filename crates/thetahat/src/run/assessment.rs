@@ -18,7 +18,7 @@ use super::{
 };
 use crate::{
     diagnosis::{MethodEstimate, residual},
-    preparation::{Case, PreparationError},
+    preparation::{Case, NamedChoice, ParameterChoice, PreparationError},
     scheduling::{EstimationJob, Finished},
 };
 use thetahat_estimation::{
@@ -58,6 +58,11 @@ impl Assessment<'_> {
             }
             run.simulation_relative_error_percent =
                 simulator.as_ref().zip(motions.as_ref()).map(|(s, motions)| s.errors(motions));
+            if method.response() == Response::Position {
+                let deviation = simulator.as_ref().zip(motions.as_ref()).map(|(s, m)| s.deviation_of_positions(m));
+                run.notes.extend(deviation.map(|rms| note_of_positions(rms, "those recorded")));
+                run.notes.extend(self.note_of_links());
+            }
             if let Some(identification) = self.data.samples() {
                 run.plots = self.plots(identification, fit, motions.as_deref().unwrap_or_default());
             }
@@ -77,6 +82,16 @@ impl Assessment<'_> {
             }
         }
         Ok((run, MethodEstimate { method: *method, regression: regression.clone(), outcome }))
+    }
+
+    /// What a run takes from the description, where only the drives are estimated.
+    fn note_of_links(&self) -> Option<String> {
+        let choice = &self.data.setup().settings.parameters.estimate;
+        (*choice == ParameterChoice::Named(NamedChoice::Drives)).then(|| {
+            "the links are as the robot's description has them; motor inertia, friction and offset are estimated, and carry what is wrong \
+             in the description"
+                .to_owned()
+        })
     }
 
     /// The predicted torque: of the measured motion where the response that is fitted is another.
@@ -204,10 +219,20 @@ impl Assessment<'_> {
         run.validation_condition_number = Some(regression.x.condition_number());
         if let Some(simulator) = identification.simulator(&identification.validation, &problem, self.case) {
             let motions = simulator.simulate(&fit.theta).ok();
+            if run.is_of_positions() {
+                let errors = motions.as_ref().map(|m| simulator.errors(m));
+                run.cross_validation_relative_error_percent = errors.and_then(|e| e.get("position").copied());
+                let deviation = motions.as_ref().map(|m| simulator.deviation_of_positions(m));
+                run.notes.extend(deviation.map(|rms| note_of_positions(rms, "those of the recordings held back")));
+            }
             run.validation_simulation_relative_error_percent = motions.map(|m| simulator.errors(&m));
         }
         Ok(())
     }
+}
+
+fn note_of_positions(rms: f64, of: &str) -> String {
+    format!("the simulated positions are {rms:.2e} rad or m rms from {of}")
 }
 
 /// The largest change of an estimate, in its standard deviations with correlated errors, without one of the folds.

@@ -6,7 +6,7 @@ use super::{
     assessment::Assessment,
     curves,
     estimation_data::EstimationData,
-    examination::{ExaminationModel, compare, examine, examine_robot, with_note},
+    examination::{ExaminationModel, compare, examine, examine_robot, with_filter_explained, with_note},
     identification::{CaseProblem, Identification},
     parameters::elimination_result,
     prepared::{PreparedRecording, filtered},
@@ -15,7 +15,7 @@ use super::{
 use crate::{
     diagnosis::{MethodEstimate, advise, diagnose, judge},
     preparation::{Case, PreparationError, Problem, is_iv, propose_controller},
-    scheduling::{EstimationJob, RunOptions, instruments_side_by_side, run_all},
+    scheduling::{EstimationJob, FitUnderWay, RunOptions, UnderWay, instruments_side_by_side, run_all},
 };
 use thetahat_estimation::{
     checks::{Code, Severity},
@@ -33,6 +33,17 @@ fn time_left(seconds: f64, done: usize, of: usize) -> String {
         return String::new();
     }
     format!(", about {:.0} s left", (seconds / done as f64 * (of - done) as f64).max(1.0))
+}
+
+/// What is simulated, in words.
+fn in_words(UnderWay { simulations, fit }: UnderWay) -> String {
+    match fit {
+        None => format!("{simulations} simulations side by side"),
+        Some(FitUnderWay { method, error_percent: None, .. }) => format!("{method}: start values"),
+        Some(FitUnderWay { method, iterations, error_percent: Some(error) }) => {
+            format!("{method}: iteration {iterations}, error {error:.3} %")
+        }
+    }
 }
 
 impl Identification {
@@ -100,10 +111,10 @@ impl Identification {
         let options = RunOptions { iteration: estimation.iteration(), motion_step: Some(1), threads: self.threads };
         let mut assessed: Vec<Option<(RunResult, MethodEstimate)>> = all.iter().map(|_| None).collect();
         let (done, stopwatch) = (Cell::new(0), Stopwatch::start());
-        let mut report = |simulations| {
+        let mut report = |under_way: UnderWay| {
             let (done, of) = (done.get(), all.len());
             let left = time_left(stopwatch.seconds(), done, of);
-            progress(&format!("{done} of {of} estimates{left}, {simulations} simulations side by side"));
+            progress(&format!("{done} of {of} estimates{left}, {}", in_words(under_way)));
         };
         run_all(&jobs, options, &mut report, &mut |k, finished| {
             done.set(done.get() + 1);
@@ -179,9 +190,12 @@ impl Identification {
             all.iter().map(|p| examine(setup, p, ExaminationModel::of(nominal), held_back)).collect()
         };
         let main = with_note(of(&self.main, false), uncertain::of_runs(setup, nominal, runs));
-        let main = if is_reproduced(runs) { with_tracking_explained(main) } else { main };
-        let mut findings: Vec<_> = examine_robot(setup.robot).into_iter().chain(main).collect();
-        findings.extend(of(&self.validation, true));
+        let mut of_recordings = main;
+        of_recordings.extend(of(&self.validation, true));
+        let of_recordings = if is_reproduced(runs) { with_tracking_explained(of_recordings) } else { of_recordings };
+        let only_positions = !runs.is_empty() && runs.iter().all(RunResult::is_of_positions);
+        let of_recordings = if only_positions { with_filter_explained(of_recordings) } else { of_recordings };
+        let mut findings: Vec<_> = examine_robot(setup.robot).into_iter().chain(of_recordings).collect();
         findings.extend(compare(setup, [&self.main, &self.validation], (&nominal.model, &nominal.base)));
         findings
     }
@@ -270,6 +284,21 @@ fn with_tracking_explained(mut findings: Vec<RecordingFindings>) -> Vec<Recordin
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_progress_of_a_fit_is_its_iteration_and_error() {
+        let of = |iterations, error_percent| {
+            in_words(UnderWay {
+                simulations: 2,
+                fit: Some(FitUnderWay { method: Method::CLOE, iterations, error_percent }),
+            })
+        };
+        assert_eq!(
+            (of(0, None), of(3, Some(2.5))),
+            ("cloe: start values".into(), "cloe: iteration 3, error 2.500 %".into())
+        );
+        assert_eq!(in_words(UnderWay { simulations: 2, fit: None }), "2 simulations side by side");
+    }
 
     #[test]
     fn the_time_left_follows_from_what_is_done() {

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::preparation::{Case, FilteredRecording, PreparationError, Problem, Recording, Setup};
 use thetahat_estimation::{
-    checks::{self, Companion, Finding, SignalSettings, Subject},
+    checks::{self, Code, Companion, Finding, Severity, SignalSettings, Subject},
     identification::{Method, Needs},
     simulation::Reference,
 };
@@ -142,7 +142,8 @@ pub(crate) fn check_recordings(
     let weights: Vec<f64> = main.iter().map(|p| p.filtered.recording.weight).collect();
     let has_torques = main.iter().all(|p| p.filtered.recording.torque.is_some());
     let note = has_torques.then(|| note_before_estimates(setup, problem, &weights)).flatten();
-    Ok(with_note(found, note).into_iter().chain(of_others).chain(together).collect())
+    let all: Vec<RecordingFindings> = with_note(found, note).into_iter().chain(of_others).chain(together).collect();
+    Ok(if has_torques { all } else { with_filter_explained(all) })
 }
 
 /// The note on the estimates of the method that needs the measured motion alone.
@@ -156,6 +157,17 @@ fn note_before_estimates(setup: Setup<'_>, problem: Problem, weights: &[f64]) ->
     let fit = method.estimate(&regression, None, settings.estimation.variance).ok()?;
     let parameters = parameter_results(settings, &problem.problem.estimated, &fit, None, None);
     uncertain::note(setup, &problem.problem, method, &parameters)
+}
+
+/// Positions are fitted as they were recorded: the noise of filtered accelerations reaches start values alone.
+pub(super) fn with_filter_explained(mut findings: Vec<RecordingFindings>) -> Vec<RecordingFindings> {
+    let all = findings.iter_mut().flat_map(|of| &mut of.findings);
+    for finding in all.filter(|f| f.code == Code::CutoffHigh) {
+        finding.severity = Severity::Note;
+        finding.message += "; positions are fitted as recorded, without it";
+        finding.remedy = "nothing to do: the filter makes only start values".to_owned();
+    }
+    findings
 }
 
 /// The findings with a note on all recordings together: in the findings of the only recording, or separately.

@@ -90,6 +90,7 @@ impl Identification {
     /// # Errors
     /// [`PreparationError`] for settings or recordings that cannot be used.
     pub fn new(robot: &Robot, recordings: Vec<Recording>, settings: Settings) -> Result<Self, PreparationError> {
+        let settings = settings.for_robot(robot)?;
         settings.validate(robot)?;
         let robot = robot.clone();
         let mut identification = Self {

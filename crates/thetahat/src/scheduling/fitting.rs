@@ -8,7 +8,7 @@ use super::{
 };
 use thetahat_estimation::{
     identification::{
-        GaussNewtonStep, IterationOptions, Method, Outcome, PredictionErrorEstimation, SimulatedResponse,
+        GaussNewtonStep, Iteration, IterationOptions, Method, Outcome, PredictionErrorEstimation, SimulatedResponse,
         SimulationRequest,
     },
     simulation::SimulationError,
@@ -24,14 +24,18 @@ pub(super) struct Fitting<'a> {
 
 impl<'a> Fitting<'a> {
     pub(super) fn new(job: &'a EstimationJob<'a>, simulator: &'a Simulator<'a>, options: IterationOptions) -> Self {
-        let mut physical = Physical::new(job.method, simulator, &job.problem.regression);
+        let mut physical =
+            Physical::new(job.method, simulator, job.commanded.as_ref().unwrap_or(&job.problem.regression));
         // Zeros leave the loop as it is described.
         let with_loop = |mut theta: Vec<f64>| {
             theta.resize(theta.len() + simulator.loop_parameters().len(), 0.0);
             theta
         };
         let starts = physical.starts(&job.start).into_iter().map(with_loop).collect();
-        Self { job, simulator, estimation: PredictionErrorEstimation::new(options, starts), physical }
+        let estimation = PredictionErrorEstimation::new(options, starts);
+        // What the controller asks for gives a start that is near, to which coarse simulations lead as well.
+        let estimation = if job.commanded.is_some() { estimation.with_near_starts() } else { estimation };
+        Self { job, simulator, estimation, physical }
     }
 
     /// The simulation that it waits for.
@@ -65,6 +69,11 @@ impl<'a> Fitting<'a> {
         if self.estimation.is_held_up() && self.physical.keep_in_set() {
             self.estimation.start_anew(&mut |step| self::admit(&mut self.physical, of_robot, step));
         }
+    }
+
+    /// The iterations done.
+    pub(super) fn iterations(&self) -> &[Iteration] {
+        self.estimation.iterations()
     }
 
     /// What is reported of what was simulated.

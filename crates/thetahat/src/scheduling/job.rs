@@ -16,6 +16,9 @@ pub(crate) struct EstimationJob<'a> {
     pub(crate) simulator: Option<Simulator<'a>>,
     /// Where an iteration starts.
     pub(crate) start: Vec<f64>,
+    /// The rows of the problem with the torques that the controller asks for, where none were recorded: their estimate of LS is
+    /// near enough to start from.
+    pub(crate) commanded: Option<Regression>,
 }
 
 impl<'a> EstimationJob<'a> {
@@ -27,6 +30,11 @@ impl<'a> EstimationJob<'a> {
         simulator: Option<Simulator<'a>>,
     ) -> Self {
         let simulator = simulator.map(|simulator| simulator.of_method(method));
+        let commanded = match method.response() {
+            Response::Position => simulator.as_ref().and_then(Simulator::commanded_torques),
+            Response::Torque => None,
+        };
+        let commanded = commanded.map(|torques| problem.regression.with_measured(torques));
         let start = simulator.as_ref().map(Simulator::start).unwrap_or_default();
         let regression = problem.regression.with_weights(weights);
         let regression = match (method.response(), &simulator) {
@@ -35,7 +43,7 @@ impl<'a> EstimationJob<'a> {
                 .map_or_else(|_| regression.clone(), |y| regression.with_measured(y).without_mask()),
             (Response::Position, None) | (Response::Torque, _) => regression,
         };
-        Self { problem, method, regression, simulator, start }
+        Self { problem, method, regression, simulator, start, commanded }
     }
 
     /// The names of what of the loop is estimated after the robot's parameters.

@@ -61,17 +61,19 @@ pub(crate) fn instruments_side_by_side(
     simulated.into_iter().map(|s| if let Ok(Simulated::Instruments(z)) = s { Some(z) } else { None }).collect()
 }
 
-/// Runs different simulations: those with sensitivities one by one on each thread, the others in lanes.
+/// Runs different simulations: those with sensitivities side by side on threads, the others in lanes.
 fn simulate_different(requests: &[&Request<'_>], threads: usize) -> Vec<Result<Simulated, SimulationError>> {
     let response =
         |r: &&Request<'_>| if let Output::Sensitivities(response) = r.output { Some(response) } else { None };
     let (with, without): (Vec<usize>, Vec<usize>) =
         (0..requests.len()).partition(|&k| response(&requests[k]).is_some());
     let plain = simulate_in_lanes(&without.iter().map(|&k| requests[k]).collect::<Vec<_>>(), threads);
+    let threads_of_each = (threads / with.len().max(1)).max(1);
     let sensitive = in_parallel(with.len(), threads, |i| {
         let request = requests[with[i]];
-        let found =
-            response(&request).map(|response| request.simulator.response_with_sensitivities(&request.theta, response));
+        let simulate =
+            |response| request.simulator.response_with_sensitivities(&request.theta, response, threads_of_each);
+        let found = response(&request).map(simulate);
         found.map(|found| found.map(Simulated::Response))
     });
     let mut all: Vec<_> =
@@ -82,13 +84,17 @@ fn simulate_different(requests: &[&Request<'_>], threads: usize) -> Vec<Result<S
 
 fn simulate_in_lanes(requests: &[&Request<'_>], threads: usize) -> Vec<Result<Simulated, SimulationError>> {
     let resolved: Vec<_> = requests.iter().map(|w| w.simulator.resolve(&w.theta)).collect();
-    let jobs: Vec<Job<'_>> =
-        requests.iter().zip(&resolved).flat_map(|(w, resolved)| w.simulator.jobs(resolved, w.output)).collect();
+    let of_requests: Vec<Vec<Job<'_>>> =
+        requests.iter().zip(&resolved).map(|(w, resolved)| w.simulator.motion_jobs(resolved, w.output)).collect();
+    let counts: Vec<usize> = of_requests.iter().map(Vec::len).collect();
+    let jobs: Vec<Job<'_>> = of_requests.into_iter().flatten().collect();
     let groups: Vec<&[Job<'_>]> = jobs.chunks(jobs.len().div_ceil(threads.max(1)).max(1)).collect();
     let mut all = in_parallel(groups.len(), threads, |g| simulate_all(groups[g])).into_iter().flatten();
-    let of_request =
-        |w: &&Request<'_>| all.by_ref().take(w.simulator.recordings()).collect::<Vec<_>>().into_iter().collect();
-    let motions: Vec<Result<Vec<SimulatedMotion>, SimulationError>> = requests.iter().map(of_request).collect();
+    let of_request = |k: usize| {
+        let found = all.by_ref().take(counts[k]).collect();
+        requests[k].simulator.whole_motions(&resolved[k], found)
+    };
+    let motions: Vec<Result<Vec<SimulatedMotion>, SimulationError>> = (0..requests.len()).map(of_request).collect();
     let instruments = |k: usize| match &motions[k] {
         Ok(motions) if requests[k].output == Output::Instruments => Some(requests[k].simulator.instruments_of(motions)),
         _ => None,

@@ -18,6 +18,26 @@ impl Simulator<'_> {
         Ok(self.problem.regression.layout.stack_vectors(self.loops.iter().map(of_loop).collect::<Result<_, _>>()?))
     }
 
+    /// The torques that the controller asks for in the recorded motion, in the rows of y, less those of fixed parameters; none if
+    /// torques were recorded.
+    pub(super) fn commanded_torques(&self) -> Option<Vec<f64>> {
+        if self.loops.iter().any(|l| l.filtered.recording.torque.is_some()) {
+            return None;
+        }
+        let resolved = self.resolve(&Parameters::Estimated(self.start()));
+        let jobs = self.jobs(&resolved, Output::Motion { step: 1 });
+        let of_loop = |(l, job): (&RecordedLoop<'_>, &Job<'_>)| {
+            let mut torques = job.commanded_torques(&l.filtered.motion.q, &l.filtered.motion.dq);
+            if let Some(fixed) = &l.filtered.fixed_torque {
+                let fixed = fixed.window(l.filtered.window.clone());
+                torques.values_mut().iter_mut().zip(fixed.values()).for_each(|(all, fixed)| *all -= fixed);
+            }
+            l.assembly.measurement_vector(&torques).ok()
+        };
+        let vectors = self.loops.iter().zip(&jobs).map(of_loop).collect::<Option<_>>()?;
+        Some(self.problem.regression.layout.stack_vectors(vectors))
+    }
+
     /// The response of motions simulated at every sample of the windows, in the rows of y.
     pub(super) fn response_of(
         &self,
@@ -37,18 +57,13 @@ impl Simulator<'_> {
         &self,
         parameters: &Parameters,
         response: Response,
+        threads: usize,
     ) -> Result<SimulatedResponse, SimulationError> {
         let resolved = self.resolve(parameters);
-        let jobs = self.jobs(&resolved, Output::Sensitivities(response));
         let of_robot = self.problem.estimated.columns().into_iter().map(SensitiveTo::Parameter);
         let to: Vec<SensitiveTo> = of_robot.chain(self.loop_parameters.sensitive_to().iter().copied()).collect();
-        let slopes = self.kept_inertia.is_none().then(|| self.inertia_slopes(&to));
-        let (mut responses, mut matrices) = (Vec::new(), Vec::new());
-        for (l, job) in self.loops.iter().zip(&jobs) {
-            let found = l.response_with_sensitivities(job, &to, slopes.as_deref(), response)?;
-            responses.push(found.response);
-            matrices.push(found.sensitivities);
-        }
+        let found = self.sensitive_responses(&resolved, &to, response, threads)?;
+        let (responses, matrices) = found.into_iter().map(|found| (found.response, found.sensitivities)).unzip();
         let layout = &self.problem.regression.layout;
         Ok(SimulatedResponse {
             response: layout.stack_vectors(responses),
@@ -57,7 +72,7 @@ impl Simulator<'_> {
     }
 
     /// The derivatives of the inertia that each motor sees.
-    fn inertia_slopes(&self, to: &[SensitiveTo]) -> Vec<Vec<f64>> {
+    pub(super) fn inertia_slopes(&self, to: &[SensitiveTo]) -> Vec<Vec<f64>> {
         let of_loops: Vec<Vec<Vec<f64>>> =
             self.loops.iter().map(|l| l.closed_loop.motor_inertia_slopes(to, l.duration_s())).collect();
         let count = of_loops.len() as f64;
@@ -68,16 +83,16 @@ impl Simulator<'_> {
 }
 
 impl RecordedLoop<'_> {
-    /// The response of a job and its sensitivities, in the rows of y.
-    fn response_with_sensitivities(
+    /// The response of a job and its sensitivities, in the rows of y; `joints` are those of the job among all.
+    pub(super) fn response_with_sensitivities(
         &self,
         job: &Job<'_>,
-        to: &[SensitiveTo],
+        (joints, to): (&[usize], &[SensitiveTo]),
         inertia_slopes: Option<&[Vec<f64>]>,
         response: Response,
     ) -> Result<SimulatedResponse, SimulationError> {
         let mut simulation = Sensitivities::new(job, to, inertia_slopes)?;
-        self.assembly_for(response).response_with_sensitivities(to.len(), |values, slopes| {
+        self.assembly_for(response).response_with_sensitivities(joints, to.len(), |values, slopes| {
             let end = SimulationError::TooShortToFilter;
             let sample = simulation.next_sample()?.ok_or(end)?;
             let (of_joints, of_parameters) = match response {

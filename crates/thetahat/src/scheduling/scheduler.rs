@@ -8,7 +8,7 @@ use super::{
     simulator::{Output, Parameters},
 };
 use thetahat_estimation::{
-    identification::{Estimation, IterationOptions, Needs, Outcome},
+    identification::{Estimation, IterationOptions, Method, Needs, Outcome},
     simulation::{SimulatedMotion, SimulationError},
 };
 use thetahat_ground::{clock::Stopwatch, linear_algebra::Matrix};
@@ -33,19 +33,37 @@ pub(crate) struct RunOptions {
     pub(crate) threads: usize,
 }
 
+/// What is simulated next.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct UnderWay {
+    /// Simulations that run side by side.
+    pub(crate) simulations: usize,
+    /// How far the first fit among them is.
+    pub(crate) fit: Option<FitUnderWay>,
+}
+
+/// How far a fit is.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct FitUnderWay {
+    pub(crate) method: Method,
+    /// Iterations done, and the error after the last.
+    pub(crate) iterations: usize,
+    pub(crate) error_percent: Option<f64>,
+}
+
 /// Simulations for each thread that run at a time: as many as a vector of most machines has lanes. More would wait, with
 /// their motions in memory.
 pub(crate) const SIDE_BY_SIDE: usize = 4;
 
-/// Runs all estimations. `take` is given each, by its place, as soon as it is finished; `progress` is called with how many
-/// simulations are run next. Results are bit-identical alone or batched, and for any number of threads.
+/// Runs all estimations. `take` is given each, by its place, as soon as it is finished; `progress` is called with what is
+/// simulated next. Results are bit-identical alone or batched, and for any number of threads.
 ///
 /// # Errors
 /// What `take` refuses.
 pub(crate) fn run_all<E>(
     jobs: &[EstimationJob<'_>],
     options: RunOptions,
-    progress: &mut dyn FnMut(usize),
+    progress: &mut dyn FnMut(UnderWay),
     take: &mut dyn FnMut(usize, Finished) -> Result<(), E>,
 ) -> Result<(), E> {
     let mut running: Vec<Running<'_>> = jobs.iter().map(|job| Running::new(job, options)).collect();
@@ -57,7 +75,8 @@ pub(crate) fn run_all<E>(
         if requests.is_empty() {
             return Ok(());
         }
-        progress(requests.len());
+        let fit = waiting.iter().find_map(|&k| running[k].fit_under_way());
+        progress(UnderWay { simulations: requests.len(), fit });
         let stopwatch = Stopwatch::start();
         let simulated = simulate_side_by_side(&requests, options.threads);
         let seconds = stopwatch.seconds() / waiting.len() as f64;
@@ -142,6 +161,14 @@ impl<'a> Running<'a> {
             Stage::Over => return None,
         };
         Some(Request { simulator, theta, output })
+    }
+
+    /// How far it is, if it fits the response.
+    fn fit_under_way(&self) -> Option<FitUnderWay> {
+        let Stage::Fitting(fitting) = &self.stage else { return None };
+        let done = fitting.iterations();
+        let error_percent = done.last().map(|last| last.relative_error_percent);
+        Some(FitUnderWay { method: self.job.method, iterations: done.len(), error_percent })
     }
 
     /// Takes what was simulated in `seconds`; how the estimation ended, where it has.

@@ -2,6 +2,7 @@
 
 use std::{borrow::Cow, collections::BTreeMap};
 
+use super::branches::{BranchLoops, ResolvedBranch, branches_of};
 use crate::preparation::{
     Case, FilteredRecording, Gains, LoopParameters, LoopParts, Problem, RecordedReference, Setup,
 };
@@ -14,7 +15,10 @@ use thetahat_estimation::{
     },
 };
 use thetahat_ground::{linear_algebra::Matrix, series::Series};
-use thetahat_model::dynamics::{Model, Sign};
+use thetahat_model::{
+    dynamics::{Model, Sign},
+    robot::Robot,
+};
 
 /// The closed loop of a robot under the simulator's options along a reference.
 pub(crate) fn closed_loop<'a>(
@@ -75,6 +79,8 @@ pub(super) struct Resolved<'a> {
     /// The inertia that each motor sees for the gains of its controller.
     inertia: Vec<f64>,
     solver: Solver,
+    /// The parts of the robot, where they are simulated apart.
+    pub(super) branches: Vec<ResolvedBranch<'a>>,
 }
 
 /// Factor of the tolerances of a simulation whose own errors must not show: of links of little mass with friction near
@@ -91,6 +97,10 @@ pub(crate) struct Simulator<'a> {
     pub(super) kept_inertia: Option<Vec<f64>>,
     /// What of the loop is estimated after the robot's parameters.
     pub(super) loop_parameters: LoopParameters,
+    /// The parts of the robot that are simulated apart by methods that fit the response.
+    pub(super) branches: Vec<BranchLoops>,
+    /// The robot with the case's friction model.
+    robot: Robot,
 }
 
 /// The loop of one recording.
@@ -123,8 +133,17 @@ impl<'a> Simulator<'a> {
         let loops = recordings.iter().enumerate().map(loop_of).collect();
         let motors = problem.model.coordinate_count();
         let loop_parameters = LoopParameters::new(&setup.settings.estimation.loop_parameters, motors);
-        let simulator =
-            Self { setup, problem, controller, bias: case.simulator, loops, kept_inertia: None, loop_parameters };
+        let simulator = Self {
+            setup,
+            problem,
+            controller,
+            bias: case.simulator,
+            loops,
+            kept_inertia: None,
+            loop_parameters,
+            branches: Vec::new(),
+            robot: setup.robot_for(case),
+        };
         match setup.settings.estimation.gains {
             Gains::Updated => simulator,
             Gains::Kept => simulator.with_kept_gains(),
@@ -134,7 +153,15 @@ impl<'a> Simulator<'a> {
     /// The same for a method. Gains that follow the estimate leave positions as they are where all parameters grow alike:
     /// methods that fit positions, or gains themselves, keep those of the start values.
     pub(super) fn of_method(self, method: Method) -> Self {
-        if self.keeps_gains_for(method) { self.with_kept_gains() } else { self }
+        let simulator = if self.keeps_gains_for(method) { self.with_kept_gains() } else { self };
+        match method.needs() {
+            Needs::Sensitivities => {
+                let loops: Vec<ClosedLoop<'_>> = simulator.loops.iter().map(|l| l.closed_loop).collect();
+                let branches = branches_of(&simulator.robot, &loops);
+                Self { branches, ..simulator }
+            }
+            Needs::Measurement | Needs::Instruments => simulator,
+        }
     }
 
     /// Whether a method needs gains that stay, where a bandwidth gives them.
@@ -176,7 +203,7 @@ impl<'a> Simulator<'a> {
     }
 
     /// The simulations of all recordings.
-    pub(super) fn jobs<'j>(&'j self, resolved: &'j Resolved<'a>, output: Output) -> Vec<Job<'j>> {
+    pub(super) fn jobs<'j>(&'j self, resolved: &'j Resolved<'_>, output: Output) -> Vec<Job<'j>> {
         let whole = output == Output::Instruments && self.setup.settings.simulation.band_pass;
         let job = |l: &RecordedLoop<'a>| Job {
             closed_loop: ClosedLoop {
@@ -229,7 +256,7 @@ impl<'a> Simulator<'a> {
     }
 
     /// What a simulation with parameters takes.
-    pub(super) fn resolve(&self, parameters: &Parameters) -> Resolved<'a> {
+    pub(super) fn resolve(&self, parameters: &Parameters) -> Resolved<'_> {
         let solver = self.setup.settings.simulation.solver;
         let split = |theta: &'_ [f64]| {
             let (of_robot, of_loop) = theta.split_at(self.problem.estimated.len());
@@ -246,7 +273,14 @@ impl<'a> Simulator<'a> {
         };
         let inertia = self.kept_inertia.clone().unwrap_or_else(|| self.inertia(&standard));
         let parts = self.loop_parameters.apply(&of_loop, self.described_parts(), &inertia);
-        Resolved { parts, standard, inertia, solver }
+        let branches = match parameters {
+            Parameters::Fitted { .. } => {
+                let described = (&*parts.controller, &*parts.transmission);
+                ResolvedBranch::of_all(&self.branches, described, (&standard, &inertia)).unwrap_or_default()
+            }
+            Parameters::Estimated(_) | Parameters::Standard { .. } => Vec::new(),
+        };
+        Resolved { parts, standard, inertia, solver, branches }
     }
 
     /// The controller, transmission and bias as they are described.
@@ -289,6 +323,20 @@ impl<'a> Simulator<'a> {
             }
         }
         squares.into_iter().map(|(name, [d, m])| (name.to_owned(), 100.0 * (d / m).sqrt())).collect()
+    }
+}
+
+impl Simulator<'_> {
+    /// How far simulated positions are from those recorded, rms over joints and samples, rad or m.
+    pub(crate) fn deviation_of_positions(&self, motions: &[SimulatedMotion]) -> f64 {
+        let (mut squares, mut count) = (0.0, 0);
+        for (l, motion) in self.loops.iter().zip(motions) {
+            for k in l.filtered.used_samples() {
+                squares += squared_difference(l.filtered.motion.q.sample(k), motion.q.sample(k));
+                count += motion.q.channels();
+            }
+        }
+        (squares / f64::from(u32::try_from(count).unwrap_or(u32::MAX)).max(1.0)).sqrt()
     }
 }
 

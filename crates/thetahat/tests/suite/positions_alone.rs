@@ -32,7 +32,8 @@ fn inertias_frictions_gain_and_delay_are_found_with_intervals_that_hold_the_trut
     println!("{inside} of {} intervals hold the truth", run.parameters.len());
     // 95 % of 108, less three deviations.
     assert!(inside as f64 >= 0.95 * 108.0 - 3.0 * (108.0_f64 * 0.95 * 0.05).sqrt());
-    assert!(run.notes.is_empty(), "{:?}", run.notes);
+    let of_positions = |note: &String| note.starts_with("the simulated positions are");
+    assert!(run.notes.iter().all(of_positions), "{:?}", run.notes);
 }
 
 /// With both gains free all torques may grow alike: what cannot be told apart is named.

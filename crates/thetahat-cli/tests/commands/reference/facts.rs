@@ -345,7 +345,7 @@ pub const REASONS: [[&str; 4]; 17] = [
         "last-resort",
         "without a model: only a method that fits the simulated loop can be taken",
         "",
-        "record torques for `idim-iv`, or compare with a second recording",
+        "compare with a second recording, or record torques for `idim-iv`",
     ],
     [
         "correlated-residual",

@@ -17,6 +17,14 @@ impl Motors {
         }
     }
 
+    /// The same among some of the motors; none if it is not one of those.
+    fn among(self, motors: &[usize]) -> Option<Self> {
+        match self {
+            Self::All => Some(Self::All),
+            Self::One(own) => motors.iter().position(|&motor| motor == own).map(Self::One),
+        }
+    }
+
     /// One for a motor among them, otherwise zero.
     pub(super) fn factor(self, motor: usize) -> f64 {
         if self.contains(motor) { 1.0 } else { 0.0 }
@@ -42,6 +50,19 @@ pub enum SensitiveTo {
 }
 
 impl SensitiveTo {
+    /// The same for a part of the robot with these motors and standard parameters; none of what acts on the other parts alone.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn of_part(self, motors: &[usize], parameters: &[usize]) -> Option<Self> {
+        match self {
+            Self::Parameter(index) => parameters.iter().position(|&own| own == index).map(Self::Parameter),
+            Self::PositionGain(of) => of.among(motors).map(Self::PositionGain),
+            Self::VelocityGain(of) => of.among(motors).map(Self::VelocityGain),
+            Self::DriveGain(of) => of.among(motors).map(Self::DriveGain),
+            Self::GearRatio | Self::Delay => Some(self),
+        }
+    }
+
     /// The index of a standard parameter.
     pub(super) fn parameter(self) -> Option<usize> {
         match self {

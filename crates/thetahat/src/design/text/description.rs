@@ -123,7 +123,8 @@ impl Design {
         let robot_path = path.parent().unwrap_or(Path::new("")).join(&file.robot);
         let locks = Locks { locked: file.locked.clone(), until: Vec::new() };
         let robot = RobotSource::read(&robot_path)?.robot_with_locks(&locks, path)?;
-        let settings = settings(&file);
+        let refuse = |source| DesignError::Preparation { path: path.to_owned(), source };
+        let settings = settings(&file).for_robot(&robot).map_err(refuse)?;
         let noise = TorqueNoise::default();
         let design = Self { path: path.to_owned(), tables, robot, robot_path, settings, noise, file };
         design.validate()?;

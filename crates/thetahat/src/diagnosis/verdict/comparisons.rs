@@ -86,7 +86,7 @@ fn last_resort(taken: Option<Method>) -> Option<VerdictReason> {
     let concerned = ReasonSubject { method: Some(method), ..ReasonSubject::default() };
     let said = ReasonText::new(
         format!("Only {method} has numbers to take, and nothing tests the simulator that it believes"),
-        "record torques for idim-iv, or compare with a second recording",
+        "compare with a second recording, or record torques for idim-iv",
     );
     Some(reason(ReasonCode::LastResort, Verdict::Care, &[], concerned, said))
 }

@@ -1,7 +1,8 @@
 //! The controller of a log without torques: CLOE fits the positions that it gives.
 
 use super::{request::ProposalRequest, source::Source};
-use crate::experiment::column_names;
+use crate::{experiment::column_names, preparation::describes_links};
+use thetahat_model::robot::Robot;
 
 /// Names of columns that hold the gains of a controller.
 const POSITION_GAINS: [&str; 4] = ["kp", "p_gain", "pgain", "stiffness"];
@@ -16,10 +17,13 @@ pub struct ProposedControl {
     pub velocity_gain: Vec<f64>,
     /// Columns of desired torques, which the controller computed: they are no measurement.
     pub desired_torques: Vec<String>,
+    /// Whether the links are taken as the description has them, where they are physical: positions alone show little of them.
+    pub trusts_links: bool,
 }
 
 /// The gains that were stated, or else those of columns that hold one value.
-pub(super) fn control(request: &ProposalRequest, sources: &[Source<'_>], joints: usize) -> ProposedControl {
+pub(super) fn control(request: &ProposalRequest, sources: &[Source<'_>], robot: &Robot) -> ProposedControl {
+    let joints = robot.coordinate_count();
     let stated_or = |stated: &[f64], names: &[&str]| match stated {
         [] => sources.iter().find_map(|source| constant(source, names, joints)).unwrap_or_default(),
         stated => stated.to_vec(),
@@ -32,6 +36,7 @@ pub(super) fn control(request: &ProposalRequest, sources: &[Source<'_>], joints:
             .flat_map(Source::names)
             .filter(|name| column_names::says_desired_torque(name))
             .collect(),
+        trusts_links: describes_links(robot),
     }
 }
 
@@ -60,13 +65,24 @@ impl ProposedControl {
             ),
         };
         format!(
-            "{desired}\n# The log has no measured torque: CLOE fits the positions of the closed loop. It estimates motor inertia, friction, \
-             offsets and\n# what the motion shows of the links, all in the unit of the gains.\n[estimation]\nmethods = [\"cloe\"]\n\n\
+            "{desired}{}[estimation]\nmethods = [\"cloe\"]\n\n\
              # u = position_gain (reference - position) - velocity_gain velocity, in N m at the joint.\n[controller]\nlaw = \"pd\"\n\
              position_gain = {}\nvelocity_gain = {}\n",
+            self.what_is_estimated(),
             gains(&self.position_gain),
             gains(&self.velocity_gain),
         )
+    }
+
+    fn what_is_estimated(&self) -> &'static str {
+        if self.trusts_links {
+            "\n# The log has no measured torque: CLOE fits the positions of the closed loop. It estimates motor inertia, friction and \
+             offset of each\n# joint, in the unit of the gains; masses, centres and inertias of the links are those of the description. To \
+             estimate what the\n# motion shows of the links, too, take this table out.\n[parameters]\nestimate = \"drives\"\n\n"
+        } else {
+            "\n# The log has no measured torque: CLOE fits the positions of the closed loop. It estimates motor inertia, friction, \
+             offsets and\n# what the motion shows of the links, all in the unit of the gains.\n"
+        }
     }
 
     /// What is to be filled in.

@@ -12,8 +12,13 @@ impl Proposal {
     /// # Errors
     /// [`ExperimentError`] where the proposal itself is not an experiment, as of a robot that cannot be used.
     pub fn with_chosen_filter(self, robot_text: String, data: &Path, threads: usize) -> Result<Self, ExperimentError> {
+        if self.control.as_ref().is_some_and(|control| control.to_fill_in().is_some()) {
+            // Without gains it is no experiment yet.
+            let signal = ProposedSignal::not_chosen(self.rate_hz(), "the gains of the controller are to be filled in");
+            return Ok(Self { signal: signal.with_window(self.signal.window_s), ..self });
+        }
         let experiment = Experiment::from_texts(Path::new("the proposed experiment"), self.text(), robot_text)?;
-        let rate_hz = self.recordings.first().map_or(0.0, |r| r.clock.rate_hz);
+        let rate_hz = self.rate_hz();
         let signal = if self.control.is_some() {
             ProposedSignal::not_chosen(
                 rate_hz,
@@ -28,5 +33,9 @@ impl Proposal {
             }
         };
         Ok(Self { signal: signal.with_window(self.signal.window_s), ..self })
+    }
+
+    fn rate_hz(&self) -> f64 {
+        self.recordings.first().map_or(0.0, |r| r.clock.rate_hz)
     }
 }

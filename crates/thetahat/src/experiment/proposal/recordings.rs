@@ -49,10 +49,7 @@ pub fn propose(
         locks: joints.locks.clone(),
         unused: unused(&sources, &recordings),
         unused_files: unused_files(&sources, &recordings),
-        control: groups
-            .iter()
-            .any(|g| g.torque.is_none())
-            .then(|| control(request, &sources, robot.coordinate_count())),
+        control: groups.iter().any(|g| g.torque.is_none()).then(|| control(request, &sources, robot)),
         recordings,
         signal: ProposedSignal::usual(rate_hz).with_window(request.window_s),
     })

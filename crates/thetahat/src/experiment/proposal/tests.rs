@@ -561,9 +561,24 @@ fn a_log_without_torques_is_for_cloe() {
     assert!(text.contains("position_gain = 60\n") && text.contains("velocity_gain = [2, 3]\n"), "{text}");
     assert!(text.contains("des_torque_1 des_torque_2: desired torques"), "{text}");
     let open = proposed_from(&[("log.csv", header)], request(), ARM).unwrap();
+    let open = open.with_chosen_filter(ARM.to_owned(), Path::new("."), 1).unwrap();
     assert!(open.to_fill_in().join(" ").contains("--kp and --kd"), "{:?}", open.to_fill_in());
     let error = proposed("t,q1,q2,target_moment_1,target_moment_2", request()).unwrap_err().to_string();
     assert!(error.contains("target_moment_1 target_moment_2 hold desired torques"), "{error}");
+}
+
+/// Links are taken as described where the description gives them.
+#[test]
+fn without_torques_described_links_are_not_estimated() {
+    let header = "t,q1,q2,q1_des,q2_des";
+    let text = |robot: &str| {
+        let stated = ProposalRequest { position_gain: vec![60.0], velocity_gain: vec![2.0], ..request() };
+        proposed_from(&[("log.csv", header)], stated, robot).unwrap().text()
+    };
+    let link = |j: usize| format!("m{j} = 2\nxx{j} = 0.1\nyy{j} = 0.1\nzz{j} = 0.1\n");
+    let described = format!("{ARM}[parameters]\n{}{}", link(1), link(2));
+    assert!(text(&described).contains("[parameters]\nestimate = \"drives\"\n"), "{}", text(&described));
+    assert!(!text(ARM).contains("drives"), "{}", text(ARM));
 }
 
 /// The name of a file is no unit, and drive signals are no torques where the robot has drive gains.
