@@ -1,7 +1,9 @@
 use super::{
     motion::LinkMotion,
     rotation::{Rotation, Turn},
+    sign::Sign,
     state::{JointCoordinate, State},
+    terms::JointState,
     twist::Twist,
 };
 use crate::robot::{JointKind, Robot};
@@ -27,15 +29,18 @@ pub(super) struct JointGeometry {
     cos_alpha: f64,
     theta: f64,
     origin: Vec3,
-    /// The coordinate that moves it.
+    /// The coordinate that moves it, with the offset.
     pub(super) moved_by: JointCoordinate,
+    /// Further coordinates that move it at the same time, and their ratios.
+    pub(super) also_moved_by: Vec<(usize, f64)>,
 }
 
 impl JointGeometry {
     pub(super) fn new(robot: &Robot, j: usize, coordinates: &[usize]) -> Self {
         let joint = &robot.joints[j];
         let (leader, ratio, offset) = joint.mimic.map_or((j, 1.0, 0.0), |m| (m.of, m.ratio, m.offset));
-        let coordinate = coordinates.iter().position(|&c| c == leader).unwrap_or(0);
+        let coordinate_of = |leader: usize| coordinates.iter().position(|&c| c == leader).unwrap_or(0);
+        let coordinate = coordinate_of(leader);
         let (sin_gamma, cos_gamma) = joint.placement.gamma.sin_cos();
         let (sin_alpha, cos_alpha) = joint.placement.alpha.sin_cos();
         let turn = (joint.placement.gamma != 0.0).then_some(Turn { sin: sin_gamma, cos: cos_gamma });
@@ -52,13 +57,49 @@ impl JointGeometry {
             theta: joint.placement.theta,
             origin: turn.map_or(joint.placement.origin, |turn| turn.transpose_times(joint.placement.origin)),
             moved_by: JointCoordinate { coordinate, ratio, offset },
+            also_moved_by: joint.also_follows.iter().map(|share| (coordinate_of(share.of), share.ratio)).collect(),
         }
+    }
+
+    /// The coordinates that move it, and their ratios.
+    #[inline(always)]
+    pub(super) fn shares(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        [(self.moved_by.coordinate, self.moved_by.ratio)].into_iter().chain(self.also_moved_by.iter().copied())
+    }
+
+    /// Its position.
+    #[inline(always)]
+    pub(super) fn position<T: Real>(&self, q: &[T]) -> T {
+        let first = self.moved_by.position(q);
+        self.also_moved_by.iter().fold(first, |sum, &(c, ratio)| sum + q[c] * ratio)
+    }
+
+    /// Its velocity or acceleration.
+    #[inline(always)]
+    pub(super) fn rate<T: Real>(&self, rates: &[T]) -> T {
+        let first = self.moved_by.rate(rates);
+        self.also_moved_by.iter().fold(first, |sum, &(c, ratio)| sum + rates[c] * ratio)
+    }
+
+    /// Adds the torques on the coordinates of a torque on the joint.
+    #[inline(always)]
+    pub(super) fn project<T: Real>(&self, torque: T, tau: &mut [T]) {
+        tau[self.moved_by.coordinate] += torque * self.moved_by.ratio;
+        for &(c, ratio) in &self.also_moved_by {
+            tau[c] += torque * ratio;
+        }
+    }
+
+    /// The state on which the torque of its drive depends.
+    #[inline(always)]
+    pub(super) fn drive_state<T: Real>(&self, state: State<'_, T>, ddq: &[T], sign: Sign) -> JointState<T> {
+        JointState::new(self.rate(state.dq), self.rate(ddq), sign)
     }
 
     /// Rotation from the joint's frame to the turned frame before, and its origin there, at the coordinates `q`.
     #[inline(always)]
     pub(super) fn placement<T: Real>(&self, q: &[T]) -> (Rotation<T>, Vec3<T>) {
-        let q = self.moved_by.position(q);
+        let q = self.position(q);
         let origin = in_lanes(q, self.origin);
         let (theta, p) = if self.revolute {
             (q + q.like(self.theta), origin)
@@ -84,10 +125,10 @@ impl JointGeometry {
         }
     }
 
-    /// The twist, at the joint's own frame, of a unit velocity of its coordinate.
+    /// The twist, at the joint's own frame, of a unit velocity of a coordinate that moves it by this ratio.
     #[inline(always)]
-    pub(super) fn twist<T: Real>(&self, kind: T) -> Twist<T> {
-        let (z, zero) = (in_lanes(kind, [0.0, 0.0, self.moved_by.ratio]), [kind.like(0.0); 3]);
+    pub(super) fn twist<T: Real>(&self, kind: T, ratio: f64) -> Twist<T> {
+        let (z, zero) = (in_lanes(kind, [0.0, 0.0, ratio]), [kind.like(0.0); 3]);
         if self.revolute { Twist { angular: z, linear: zero } } else { Twist { angular: zero, linear: z } }
     }
 
@@ -103,7 +144,7 @@ impl JointGeometry {
             before = before.turned_back(turn);
         }
         let (r, p) = self.placement(state.q);
-        let (dq, ddq) = (self.moved_by.rate(state.dq), self.moved_by.rate(ddq));
+        let (dq, ddq) = (self.rate(state.dq), self.rate(ddq));
         let w = r.transpose_times(before.w);
         let dw = r.transpose_times(before.dw);
         let dv = r.transpose_times(before.acceleration_at(p));

@@ -1,12 +1,6 @@
 //! Recursive Newton-Euler with the torques of the drives, for one state or one in each lane.
 
-use super::{
-    model::Model,
-    parameters::DynamicParameters,
-    sign::Sign,
-    state::{JointCoordinate, State},
-    workspace::Workspace,
-};
+use super::{model::Model, parameters::DynamicParameters, sign::Sign, state::State, workspace::Workspace};
 use thetahat_ground::real::{Parameter, Real};
 
 impl Model {
@@ -42,7 +36,7 @@ impl Model {
         }
         for (j, joint) in self.joints.iter().enumerate().rev() {
             let wrench = workspace.wrenches[j];
-            tau[joint.moved_by.coordinate] += wrench.along(joint.revolute) * joint.moved_by.ratio;
+            joint.project(wrench.along(joint.revolute), tau);
             if let Some(of_parent) = workspace.wrenches.get_mut(joint.parent) {
                 of_parent.absorb(&wrench.moved_to_parent(&workspace.links[j], joint.turn.as_ref()));
             }
@@ -60,16 +54,14 @@ impl Model {
         tau: &mut [T],
     ) {
         for (joint, terms) in self.joints.iter().zip(&parameters.joints) {
-            let JointCoordinate { coordinate, ratio, .. } = joint.moved_by;
-            tau[coordinate] += terms.torque(&joint.moved_by.state(state, ddq, sign)) * ratio;
+            joint.project(terms.torque(&joint.drive_state(state, ddq, sign)), tau);
         }
         for (motor, terms) in self.coupled_motors().iter().zip(&parameters.motors) {
             terms.add_torques(motor, state.dq, ddq, sign, tau);
         }
         for term in &parameters.others {
-            let moved_by = self.coordinate_of(term.joint);
-            let torque = term.torque(&moved_by.state(state, ddq, sign));
-            tau[moved_by.coordinate] += torque * moved_by.ratio;
+            let joint = &self.joints[term.joint];
+            joint.project(term.torque(&joint.drive_state(state, ddq, sign)), tau);
         }
         if !parameters.terms.is_empty() {
             self.add_term_torques(parameters, state, ddq, sign, tau);

@@ -48,7 +48,12 @@ impl Model {
                 *twist = turned.seen_from(link);
             }
         }
-        let own = joint.twist(links[k].dv[0]);
+        let kind = links[k].dv[0];
+        let own = joint.twist(kind, joint.moved_by.ratio);
         here[support.own] = if support.own < carried { here[support.own].plus(&own) } else { own };
+        for (&place, (_, ratio)) in support.also.iter().zip(&joint.also_moved_by) {
+            let own = joint.twist(kind, *ratio);
+            here[place] = if place < carried { here[place].plus(&own) } else { own };
+        }
     }
 }

@@ -161,7 +161,10 @@ fn follows(joint: &JointSummary) -> Option<String> {
         0.0 => String::new(),
         offset => format!(" + {} {}", coordinate(offset, joint.kind), unit(joint.kind)),
     };
-    Some(format!("{} q{}{offset}", given(mimic.ratio), mimic.joint))
+    let share = |ratio: f64, joint: usize| format!("{} q{joint}", given(ratio));
+    let others = joint.also_follows.iter().map(|of| share(of.ratio, of.joint));
+    let shares: Vec<String> = [share(mimic.ratio, mimic.joint)].into_iter().chain(others).collect();
+    Some(format!("{}{offset}", shares.join(" + ")))
 }
 
 /// The ratios, or the matrix for coupled motors, and the offsets; none if motors and joints are identical.
