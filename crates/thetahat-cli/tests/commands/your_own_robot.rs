@@ -83,7 +83,7 @@ fn the_driver_of_a_log_may_be_named() {
                 [torque]\ncolumns = ['torque_*']\nunit = 'N m'\n";
     arm.0.write("mine.toml", mine);
     let written = succeeded(&arm.run("init --from ./mine.toml --robot arm.urdf --recording log.csv"));
-    assert!(written.contains("Driver ./mine.toml (arm): its torque is the torque, N m."), "{written}");
+    assert!(written.contains("Driver ./mine.toml (arm). What it means by effort: torque, N m."), "{written}");
     succeeded(&arm.run("identify experiment.toml"));
 }
 

@@ -40,8 +40,9 @@ fn parallelogram() -> Robot {
             "parent = 'arm'\na_m = 0.5\nmimic = [{ joint = 'crank', ratio = 1 }, { joint = 'arm', ratio = -1 }]",
         ),
     ];
+    // Depth first: the forearm, which the arm carries, comes before the crank.
     let links =
-        "zz1 = 0.4\nmx1 = 0.9\nm1 = 4\nzz2 = 0.05\nm3 = 3\nmx3 = 0.8\nzz3 = 0.3\nfv3 = 0.6\nfc3 = 0.2\nia3 = 0.07\n";
+        "zz1 = 0.4\nmx1 = 0.9\nm1 = 4\nzz3 = 0.05\nm2 = 3\nmx2 = 0.8\nzz2 = 0.3\nfv2 = 0.6\nfc2 = 0.2\nia2 = 0.07\n";
     let text = format!("name = 'p'\ngravity = [0, -{GRAVITY}, 0]\n{}[parameters]\n{links}", joints.concat());
     robot(&text)
 }

@@ -19,15 +19,32 @@ impl Pattern {
     }
 
     /// Whether a column has the name: with a number or the name of a joint in the place of `*`, or without any, as a matrix has it.
+    /// Before the name of a joint's column its topic may stand: `/joint_states/elbow/position`.
     pub(super) fn matches(&self, column: &str, joints: &[Vec<String>]) -> bool {
-        let words = words(column);
-        let Some(after) = &self.after else { return words == self.before };
-        let rest = words.strip_prefix(&self.before[..]).and_then(|rest| rest.strip_suffix(&after[..]));
-        rest.is_some_and(|place| match place {
-            [] => true,
-            [number] if number.parse::<u64>().is_ok() => true,
-            name => joints.iter().any(|joint| joint == name),
-        })
+        let of_joint =
+            |(at, _): (usize, &str)| self.place(&words(&column[at + 1..])).is_some_and(|p| is_place(&p, joints));
+        let whole = words(column);
+        match self.place(&whole) {
+            Some(place) if place.is_empty() || is_place(&place, joints) => true,
+            Some(_) | None => self.after.is_some() && column.match_indices('/').any(of_joint),
+        }
+    }
+
+    /// The words in the place of `*`; `None` if the others are not the name's.
+    fn place(&self, words: &[String]) -> Option<Vec<String>> {
+        let rest = words.strip_prefix(&self.before[..])?;
+        match &self.after {
+            Some(after) => rest.strip_suffix(&after[..]).map(<[String]>::to_vec),
+            None => rest.is_empty().then(Vec::new),
+        }
+    }
+}
+
+/// Whether these words are a number or the name of a joint.
+fn is_place(words: &[String], joints: &[Vec<String>]) -> bool {
+    match words {
+        [number] if number.parse::<u64>().is_ok() => true,
+        name => joints.iter().any(|joint| joint == name),
     }
 }
 
@@ -50,7 +67,11 @@ mod tests {
             ("motorState_*_tauEst", "motorState[3].tauEst", true),
             ("*.effort", "wrist_1_joint.effort", true),
             ("*.effort", "wheel.effort", false),
+            ("*.effort", "/joint_states/wrist_1_joint/effort", true),
+            ("*.effort", "/joint_states/effort", false),
+            ("motor_state_*_q", "/lowstate/motor_state[3]/q", true),
             ("timestamp", "timestamp", true),
+            ("timestamp", "/log/timestamp", false),
             ("timestamp", "timestamp_2", false),
         ] {
             let of = Pattern::of(pattern).unwrap();

@@ -224,11 +224,12 @@ impl Proposal {
         let Some(driver) = &self.driver else { return Vec::new() };
         let contradictions =
             driver.contradictions.iter().map(|what| format!("The log contradicts the driver: {what}."));
-        [driver.head.clone()].into_iter().chain(driver.notes.iter().cloned()).chain(contradictions).collect()
+        let lines = [driver.head.clone()].into_iter().chain(driver.notes.iter().cloned()).chain(contradictions);
+        lines.map(|line| visible(&line).into_owned()).collect()
     }
 
     fn driver_text(&self) -> String {
-        let lines: String = self.of_driver().iter().map(|line| format!("# {}\n", visible(line))).collect();
+        let lines: String = self.of_driver().iter().map(|line| format!("# {line}\n")).collect();
         if lines.is_empty() { lines } else { format!("\n{lines}") }
     }
 
