@@ -90,8 +90,18 @@ fn substituted(sum: &FollowedSum, resolved: &[Option<Option<FollowedSum>>]) -> O
             }
         }
     }
+    without_zeros(&mut found.shares);
     let numbers = found.shares.iter().map(|share| share.ratio).chain([found.offset]);
     numbers.into_iter().all(|number| number.abs() <= LARGEST).then_some(found)
+}
+
+/// Leaves out the shares that cancel, but for one.
+fn without_zeros(shares: &mut Vec<Share>) {
+    let first = shares.first().copied();
+    shares.retain(|share| share.ratio != 0.0);
+    if shares.is_empty() {
+        shares.extend(first);
+    }
 }
 
 fn add(shares: &mut Vec<Share>, share: Share) {
@@ -126,6 +136,10 @@ mod tests {
         let given = [None, sum(&[(3, 2.0), (0, 1.0)], 0.5), None, sum(&[(0, -1.0), (2, 3.0)], 0.1)];
         let expected = [None, sum(&[(0, -1.0), (2, 6.0)], 0.7), None, given[3].clone()];
         assert_eq!(resolve_sums(&given).unwrap(), expected);
+        // A tool that an arm and a forearm level: the shares of the arm cancel.
+        let level = [None, None, sum(&[(1, 1.0), (0, -1.0)], 0.0), sum(&[(2, -1.0), (0, -1.0)], 0.0)];
+        assert_eq!(resolve_sums(&level).unwrap()[3], sum(&[(1, -1.0)], 0.0));
+        assert_eq!(resolve_sums(&[None, sum(&[(0, 0.0)], 0.2)]).unwrap()[1], sum(&[(0, 0.0)], 0.2));
         assert_eq!(resolve_sums(&[None, sum(&[(0, 1.0), (2, 1.0)], 0.0), sum(&[(1, 1.0)], 0.0)]), Err(1));
         assert_eq!(resolve_sums(&[None, sum(&[(0, 1e9)], 0.0), sum(&[(1, 2.0)], 0.0)]), Err(2));
     }

@@ -161,10 +161,11 @@ fn follows(joint: &JointSummary) -> Option<String> {
         0.0 => String::new(),
         offset => format!(" + {} {}", coordinate(offset, joint.kind), unit(joint.kind)),
     };
-    let share = |ratio: f64, joint: usize| format!("{} q{joint}", given(ratio));
-    let others = joint.also_follows.iter().map(|of| share(of.ratio, of.joint));
-    let shares: Vec<String> = [share(mimic.ratio, mimic.joint)].into_iter().chain(others).collect();
-    Some(format!("{}{offset}", shares.join(" + ")))
+    let sign = |ratio: f64| if ratio < 0.0 { "-" } else { "+" };
+    let others = joint.also_follows.iter();
+    let others: String =
+        others.map(|of| format!(" {} {} q{}", sign(of.ratio), given(of.ratio.abs()), of.joint)).collect();
+    Some(format!("{} q{}{others}{offset}", given(mimic.ratio), mimic.joint))
 }
 
 /// The ratios, or the matrix for coupled motors, and the offsets; none if motors and joints are identical.
