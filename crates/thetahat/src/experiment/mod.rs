@@ -36,7 +36,9 @@ pub(crate) use paths::path_in_project;
 
 #[doc(hidden)]
 pub use description::{Experiment, ExperimentFile, RecordingDescription, TwinDescription, Unlisted};
-pub use driver::{Driver, DriverController, DriverError, DriverSignal, DriverTime};
+pub use driver::Driver;
+#[doc(hidden)]
+pub use driver::{DriverController, DriverError, DriverSignal, DriverTime};
 pub use error::ExperimentError;
 pub use identified::{EstimateRequest, IdentifiedRobot};
 #[doc(hidden)]
