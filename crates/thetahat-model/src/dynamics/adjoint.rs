@@ -86,11 +86,9 @@ impl Model {
         for (k, joint) in self.joints.iter().enumerate().rev() {
             let before = workspace.links.get(joint.parent).copied().unwrap_or(rest);
             let slopes = self.pull_back_joint(k, joint, state, &before, workspace, adjoint);
-            for (c, ratio) in joint.shares() {
-                of_q[c] += slopes.q * ratio;
-                of_dq[c] += slopes.dq * ratio;
-                of_ddq[c] += slopes.ddq * ratio;
-            }
+            joint.project(slopes.q, of_q);
+            joint.project(slopes.dq, of_dq);
+            joint.project(slopes.ddq, of_ddq);
         }
     }
 

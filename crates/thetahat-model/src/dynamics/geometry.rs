@@ -71,35 +71,74 @@ impl JointGeometry {
     #[inline(always)]
     pub(super) fn position<T: Real>(&self, q: &[T]) -> T {
         let first = self.moved_by.position(q);
-        self.also_moved_by.iter().fold(first, |sum, &(c, ratio)| sum + q[c] * ratio)
+        if self.also_moved_by.is_empty() { first } else { self.with_shares(first, q) }
     }
 
     /// Its velocity or acceleration.
     #[inline(always)]
     pub(super) fn rate<T: Real>(&self, rates: &[T]) -> T {
         let first = self.moved_by.rate(rates);
-        self.also_moved_by.iter().fold(first, |sum, &(c, ratio)| sum + rates[c] * ratio)
+        if self.also_moved_by.is_empty() { first } else { self.with_shares(first, rates) }
+    }
+
+    /// Its position, velocity and acceleration, if it follows one joint at most.
+    #[inline(always)]
+    pub(super) fn motion_of_first<T: Real>(&self, state: State<'_, T>, ddq: &[T]) -> [T; 3] {
+        [self.moved_by.position(state.q), self.moved_by.rate(state.dq), self.moved_by.rate(ddq)]
+    }
+
+    /// The same of any joint.
+    #[inline(always)]
+    pub(super) fn motion<T: Real>(&self, state: State<'_, T>, ddq: &[T]) -> [T; 3] {
+        [self.position(state.q), self.rate(state.dq), self.rate(ddq)]
+    }
+
+    /// A joint that follows several is rare: what it takes is kept out of the kernels.
+    #[cold]
+    #[inline(never)]
+    fn with_shares<T: Real>(&self, first: T, values: &[T]) -> T {
+        self.also_moved_by.iter().fold(first, |sum, &(c, ratio)| sum + values[c] * ratio)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn drive_state_with_shares<T: Real>(&self, state: State<'_, T>, ddq: &[T], sign: Sign) -> JointState<T> {
+        JointState::new(self.rate(state.dq), self.rate(ddq), sign)
+    }
+
+    #[cold]
+    #[inline(never)]
+    pub(super) fn project_shares<T: Real>(&self, torque: T, tau: &mut [T]) {
+        for &(c, ratio) in &self.also_moved_by {
+            tau[c] += torque * ratio;
+        }
     }
 
     /// Adds the torques on the coordinates of a torque on the joint.
     #[inline(always)]
     pub(super) fn project<T: Real>(&self, torque: T, tau: &mut [T]) {
         tau[self.moved_by.coordinate] += torque * self.moved_by.ratio;
-        for &(c, ratio) in &self.also_moved_by {
-            tau[c] += torque * ratio;
+        if !self.also_moved_by.is_empty() {
+            self.project_shares(torque, tau);
         }
     }
 
     /// The state on which the torque of its drive depends.
     #[inline(always)]
     pub(super) fn drive_state<T: Real>(&self, state: State<'_, T>, ddq: &[T], sign: Sign) -> JointState<T> {
-        JointState::new(self.rate(state.dq), self.rate(ddq), sign)
+        let first = self.moved_by.state(state, ddq, sign);
+        if self.also_moved_by.is_empty() { first } else { self.drive_state_with_shares(state, ddq, sign) }
     }
 
     /// Rotation from the joint's frame to the turned frame before, and its origin there, at the coordinates `q`.
     #[inline(always)]
     pub(super) fn placement<T: Real>(&self, q: &[T]) -> (Rotation<T>, Vec3<T>) {
-        let q = self.position(q);
+        self.placement_at(self.position(q))
+    }
+
+    /// The same at the joint's own position.
+    #[inline(always)]
+    fn placement_at<T: Real>(&self, q: T) -> (Rotation<T>, Vec3<T>) {
         let origin = in_lanes(q, self.origin);
         let (theta, p) = if self.revolute {
             (q + q.like(self.theta), origin)
@@ -132,19 +171,13 @@ impl JointGeometry {
         if self.revolute { Twist { angular: z, linear: zero } } else { Twist { angular: zero, linear: z } }
     }
 
-    /// Propagates motion from the parent link to the joint's link.
+    /// Propagates motion from the parent link to the joint's link, given the joint's own.
     #[inline(always)]
-    pub(super) fn propagate<T: Real>(
-        &self,
-        mut before: LinkMotion<T>,
-        state: State<'_, T>,
-        ddq: &[T],
-    ) -> LinkMotion<T> {
+    pub(super) fn propagate<T: Real>(&self, mut before: LinkMotion<T>, [q, dq, ddq]: [T; 3]) -> LinkMotion<T> {
         if let Some(turn) = &self.turn {
             before = before.turned_back(turn);
         }
-        let (r, p) = self.placement(state.q);
-        let (dq, ddq) = (self.rate(state.dq), self.rate(ddq));
+        let (r, p) = self.placement_at(q);
         let w = r.transpose_times(before.w);
         let dw = r.transpose_times(before.dw);
         let dv = r.transpose_times(before.acceleration_at(p));

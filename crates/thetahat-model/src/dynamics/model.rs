@@ -46,6 +46,8 @@ pub struct Model {
     pub(super) coordinates: Vec<usize>,
     link_axes: Vec<Option<Mat3>>,
     support: Vec<Support>,
+    /// Whether a joint follows several others.
+    pub(super) has_sums: bool,
     motors: Vec<CoupledMotor>,
     table: ParameterTable,
     pub(super) terms: Vec<ModelTerm>,
@@ -73,6 +75,7 @@ impl Model {
         let joints: Vec<JointGeometry> = (0..robot.joints.len()).map(geometry).collect();
         Self {
             support: support(&joints),
+            has_sums: joints.iter().any(|joint| !joint.also_moved_by.is_empty()),
             link_axes: robot.joints.iter().map(|j| j.link_axes).collect(),
             motors: coupled_motors(&robot.transmission, &coordinates),
             gravity: robot.gravity,
@@ -137,11 +140,6 @@ impl Model {
     #[inline(always)]
     pub(crate) fn drive_state<T: Real>(&self, j: usize, state: State<'_, T>, ddq: &[T], sign: Sign) -> JointState<T> {
         self.joints[j].drive_state(state, ddq, sign)
-    }
-
-    /// Whether a joint follows several others.
-    pub(crate) fn has_sums(&self) -> bool {
-        self.joints.iter().any(|joint| !joint.also_moved_by.is_empty())
     }
 
     /// The coordinate that moves joint `j`: its own, or the coordinate of the joint that it follows, the first of several.

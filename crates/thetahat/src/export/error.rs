@@ -71,8 +71,8 @@ pub enum ExportError {
     Unwritable(#[from] serde_json::Error),
     /// A joint follows several others, which the format has not.
     #[error(
-        "joint `{joint}` follows several others, and {} has no such joint: another program would take it to follow one; export \
-         --format json, or the URDF that the robot was read from", format.title()
+        "joint `{joint}` follows several others, and {} has no such joint: another program would take it to follow one; JSON \
+         has it, and so has the URDF that the robot was read from", format.title()
     )]
     FollowsSeveral {
         /// The joint.
