@@ -8,6 +8,7 @@ use clap::{
 use clap_complete::Shell;
 use thetahat::{
     Method,
+    experiment::Driver,
     export::ExportFormat,
     recording::{Side, Unit},
     symbolic::{DriveTorques, Language, ModelKind},
@@ -157,10 +158,10 @@ pub struct Inspect {
 #[derive(Args)]
 pub struct Init {
     /// The robot description: URDF, xacro, MJCF or TOML
-    #[arg(long, value_name = "FILE")]
-    pub robot: PathBuf,
+    #[arg(long, value_name = "FILE", required_unless_present = "from")]
+    pub robot: Option<PathBuf>,
     /// A recording; given again: another file of it, or another recording
-    #[arg(long, value_name = "FILE", required = true)]
+    #[arg(long, value_name = "FILE", required_unless_present = "from")]
     pub recording: Vec<PathBuf>,
     #[command(flatten)]
     pub columns: Columns,
@@ -174,6 +175,8 @@ pub struct Init {
 /// Options for what the names of a recording's columns do not show.
 #[derive(Args)]
 pub struct Columns {
+    #[arg(long, value_name = "DRIVER", help = drivers())]
+    pub from: Option<String>,
     /// Columns of the positions, one for each joint, or one of a matrix: NAME, FILE (all its columns) or FILE:NAME
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub position: Vec<String>,
@@ -571,4 +574,14 @@ fn format() -> impl TypedValueParser<Value = ExportFormat> {
 /// The methods by their names, which help and completions list.
 fn method() -> impl TypedValueParser<Value = Method> {
     PossibleValuesParser::new(Method::all().map(Method::name)).try_map(|name| name.parse::<Method>())
+}
+
+/// The help of `--from` with the names of the presets.
+fn drivers() -> String {
+    let names: Vec<&str> = Driver::names().collect();
+    format!(
+        "The driver that wrote the recording, whose columns, units and signs are known: {}; a file of your own, ./my_driver.toml; or \
+         list, which shows what each means by effort",
+        names.join(", ")
+    )
 }

@@ -6,7 +6,7 @@ use std::{
 };
 
 use thetahat::{
-    experiment::{Proposal, ProposalFiles, ProposalRequest, propose},
+    experiment::{Driver, DriverError, Proposal, ProposalFiles, ProposalRequest, propose},
     recording::{Contents, RecordingError, inspect_with_time},
     robot::RobotSource,
 };
@@ -34,21 +34,31 @@ pub fn inspect_recordings(request: &Inspect) -> Result<Ending, Box<dyn Error>> {
     Ok(Ending::Good)
 }
 
+/// The name in place of a driver's that shows all of them.
+const LIST: &str = "list";
+
 pub fn write_experiment(init: &Init) -> Result<Ending, Box<dyn Error>> {
-    OutputGuard::new(init.recording.iter().chain([&init.robot]).cloned(), init.force.force).file(&init.out)?;
+    if init.columns.from.as_deref() == Some(LIST) {
+        return show_drivers();
+    }
+    let (Some(robot), false) = (&init.robot, init.recording.is_empty()) else {
+        return Err("--robot FILE and --recording FILE are needed; --from list alone shows the drivers".into());
+    };
+    OutputGuard::new(init.recording.iter().chain([robot]).cloned(), init.force.force).file(&init.out)?;
     let contents = contents(&init.recording, &init.columns)?;
     let folder = init.out.parent().map_or_else(PathBuf::new, Path::to_owned);
-    let files = ProposalFiles { robot: init.robot.clone(), recordings: init.recording.clone(), folder };
+    let files = ProposalFiles { robot: robot.clone(), recordings: init.recording.clone(), folder };
     let proposal = proposal(&files, &init.columns, &contents)?;
     replace_file(&init.out, proposal.text().as_bytes())
         .map_err(|e| format!("{}: cannot be written: {e}", init.out.display()))?;
     let to_fill_in: String = proposal.to_fill_in().iter().map(|what| format!("To fill in: {what}\n")).collect();
+    let of_driver: String = proposal.of_driver().iter().map(|what| format!("{what}\n")).collect();
     let not_used: String = proposal.not_used().iter().map(|what| format!("{what}\n")).collect();
     let read = contents.iter().flat_map(|c| c.notes.iter().map(|note| (c.file.display(), note)));
     let notes: String = read.map(|(file, note)| format!("{file}: {note}\n")).collect();
     let guesses: String = proposal.guesses().iter().map(|what| format!("Assumed: {what}\n")).collect();
     print(&format!(
-        "written: {out}\n{notes}{not_used}{guesses}{to_fill_in}Review it: assumptions are marked as guesses. Then:\n  thetahat check {out}{options}\n  \
+        "written: {out}\n{notes}{of_driver}{not_used}{guesses}{to_fill_in}Review it: assumptions are marked as guesses. Then:\n  thetahat check {out}{options}\n  \
          thetahat identify {out}{options}\n",
         out = init.out.display(),
         options = options_for(&files),
@@ -75,15 +85,24 @@ fn options_for(files: &ProposalFiles) -> String {
 }
 
 fn proposal(files: &ProposalFiles, columns: &Columns, contents: &[Contents]) -> Result<Proposal, Box<dyn Error>> {
-    let request = files.name_in(request(columns));
+    let request = files.name_in(request(columns)?);
     let source = RobotSource::read(&files.robot)?;
     let proposal = propose(&request, &source, contents)?;
     let _progress = Progress::of("choosing the filter on a simulated twin of the recording");
     Ok(proposal.with_chosen_filter(source.to_text(), &files.data_folder(), threads(None))?)
 }
 
-fn request(columns: &Columns) -> ProposalRequest {
-    ProposalRequest {
+/// The drivers that come with the program: what each means by effort.
+fn show_drivers() -> Result<Ending, Box<dyn Error>> {
+    for driver in Driver::presets()? {
+        print(&format!("{}: {}\n    effort: {}\n", driver.name, driver.title, driver.effort))?;
+    }
+    Ok(Ending::Good)
+}
+
+fn request(columns: &Columns) -> Result<ProposalRequest, DriverError> {
+    Ok(ProposalRequest {
+        driver: columns.from.as_deref().map(Driver::find).transpose()?,
         position: columns.position.clone(),
         torque: columns.torque.clone(),
         joints: columns.joints.clone(),
@@ -97,5 +116,5 @@ fn request(columns: &Columns) -> ProposalRequest {
         window_s: columns.window_s.as_ref().map_or([None; 2], |w| [Some(w[0]), Some(w[1])]),
         locked: columns.lock.iter().cloned().collect(),
         ..ProposalRequest::default()
-    }
+    })
 }

@@ -79,6 +79,10 @@ fn of_proposal(error: &ProposalError) -> Option<String> {
         ProposalError::Joints { .. } => "correct --joints".to_owned(),
         ProposalError::NoSuchJoint { .. } => "correct --lock".to_owned(),
         ProposalError::LockedAndNamed { .. } => "leave it out of --lock or of --joints".to_owned(),
+        ProposalError::NotOfDriver { .. } => {
+            "leave --from out, name another driver (--from list shows them), or describe this one in a file of your own"
+                .to_owned()
+        }
         ProposalError::NoTime { .. } => "name the column with --time NAME, or state the rate with --rate HZ".to_owned(),
         ProposalError::RateContradictsTimes { .. } => "leave --rate out".to_owned(),
         _ => return None,
@@ -129,6 +133,7 @@ fn of_export(error: &ExportError) -> Option<String> {
     match error {
         ExportError::Experiment(error) => of_experiment(error),
         ExportError::Mjcf(error) => of_mjcf(error),
+        ExportError::FollowsSeveral { .. } => Some("give --to json".to_owned()),
         ExportError::NoReader { .. } => Some("leave out --check".to_owned()),
         _ => None,
     }

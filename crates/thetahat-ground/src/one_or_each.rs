@@ -4,7 +4,10 @@ use std::{fmt, marker::PhantomData};
 
 use serde::{
     Deserialize, Deserializer,
-    de::{IntoDeserializer, SeqAccess, Visitor, value::SeqAccessDeserializer},
+    de::{
+        IntoDeserializer, MapAccess, SeqAccess, Visitor,
+        value::{MapAccessDeserializer, SeqAccessDeserializer},
+    },
 };
 
 /// One value for all joints (motors, channels), or a list with one for each, in order.
@@ -105,6 +108,10 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ScalarOrList<T> {
 
     fn visit_str<E: serde::de::Error>(self, value: &str) -> Result<Self::Value, E> {
         T::deserialize(value.into_deserializer()).map(OneOrEach::One)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+        T::deserialize(MapAccessDeserializer::new(map)).map(OneOrEach::One)
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<Self::Value, A::Error> {

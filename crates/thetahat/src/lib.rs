@@ -74,7 +74,7 @@ pub mod robot {
     #[doc(inline)]
     pub use thetahat_model::robot::{
         DenavitHartenberg, Friction, Joint, JointKind, Limits, LockError, LockedJoint, Locks, Mimic, Parameter,
-        ParameterTable, Placement, Quantity, RobotError, RobotSource, Transmission,
+        ParameterTable, Placement, Quantity, RobotError, RobotSource, Share, Transmission,
     };
     pub use thetahat_model::robot_summary::{FrameJoint, MovingFrames, RobotSummary};
 }

@@ -21,7 +21,7 @@ use thetahat_testing::project;
 const DOCUMENTS: [&str; 6] = ["checks.md", "experiments.md", "recordings.md", "results.md", "robots.md", "verdict.md"];
 
 /// The files with keys: types that an earlier one has are linked to from the later ones.
-const ROOTS: [Root; 7] = [
+const ROOTS: [Root; 8] = [
     Root {
         block: "signal",
         document: "recordings.md",
@@ -29,6 +29,14 @@ const ROOTS: [Root; 7] = [
         word: "",
         form: Form::Toml,
         of: ["ChannelSource", "recording/source"],
+    },
+    Root {
+        block: "driver",
+        document: "recordings.md",
+        heading: "Keys of a driver file",
+        word: "Driver",
+        form: Form::Toml,
+        of: ["Driver", "driver/file"],
     },
     Root {
         block: "robot",
@@ -94,6 +102,7 @@ fn blocks(sources: &Sources) -> BTreeMap<&'static str, String> {
         ("statuses", lists::names(sources, ["Status", "identification/outcome"])),
         ("units", lists::units(sources)),
         ("spellings", lists::spellings(sources)),
+        ("drivers", lists::drivers()),
         ("column names", lists::column_names(sources)),
         ("formats", lists::names(sources, ["Format", "recording/format"])),
         ("parameters", lists::parameters(sources)),
@@ -151,7 +160,10 @@ fn blocks_stand_below_their_headings() {
     for root in ROOTS {
         let text = fs::read_to_string(project("docs/reference").join(root.document)).expect("the document is there");
         let (before, _) = text.split_once(&format!("<!-- generated: {} -->", root.block)).expect("the block is there");
-        let heading = before.lines().rev().find_map(|line| line.strip_prefix("## "));
+        let heading = before
+            .lines()
+            .rev()
+            .find_map(|line| line.trim_start_matches('#').strip_prefix(' ').filter(|_| line.starts_with("##")));
         assert_eq!(heading, Some(root.heading), "{}", root.document);
     }
 }

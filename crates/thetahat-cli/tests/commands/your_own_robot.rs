@@ -62,6 +62,31 @@ fn degrees_are_found_out() {
     assert_eq!(output.status.code(), Some(1), "{}", shown(&output));
 }
 
+/// The driver is known by its name, or described by a file; an unknown one is refused with those that are known.
+#[test]
+fn the_driver_of_a_log_may_be_named() {
+    let arm = Arm::new();
+    let listed = succeeded(&arm.run("init --from list"));
+    assert!(
+        listed.contains("ur-rtde: Universal Robots, RTDE") && listed.contains("effort: motor current, A"),
+        "{listed}"
+    );
+    let refusal = refused(&arm.run("init --from ur --robot arm.urdf --recording log.csv"));
+    assert!(refusal.contains("there is no driver \"ur\"; the drivers are cia402,"), "{refusal}");
+    let refusal = refused(&arm.run("init --from franka --robot arm.urdf --recording log.csv"));
+    assert!(
+        refusal.contains("none of the columns of the driver franka") && refusal.contains("--from list"),
+        "{refusal}"
+    );
+    assert!(refused(&arm.run("init --from franka")).contains("--robot FILE and --recording FILE are needed"));
+    let mine = "title = 'arm'\neffort = 'torque, N m'\n[position]\ncolumns = ['position_*']\nunit = 'rad'\n\
+                [torque]\ncolumns = ['torque_*']\nunit = 'N m'\n";
+    arm.0.write("mine.toml", mine);
+    let written = succeeded(&arm.run("init --from ./mine.toml --robot arm.urdf --recording log.csv"));
+    assert!(written.contains("Driver ./mine.toml (arm). What it means by effort: torque, N m."), "{written}");
+    succeeded(&arm.run("identify experiment.toml"));
+}
+
 /// Columns whose names tell nothing are not guessed: the message says how to name them, and that works.
 #[test]
 fn columns_without_telling_names_are_asked_for() {

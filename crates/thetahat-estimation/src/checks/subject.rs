@@ -93,7 +93,7 @@ impl Subject<'_> {
     /// joints.
     pub(super) fn parameters_of(&self, coordinate: usize) -> impl Iterator<Item = (usize, &BaseParameter)> {
         let (joints, leader) = (&self.robot.joints, self.robot.joint_of(coordinate));
-        let is_own = move |joint: usize| joints[joint].mimic.map_or(joint, |mimic| mimic.of) == leader;
+        let is_own = move |joint: usize| joint == leader || joints[joint].follows().any(|share| share.of == leader);
         let table = self.model.parameter_table();
         let columns = self.base.parameters().iter().enumerate();
         columns.filter(move |(_, parameter)| is_own(table.get(parameter.kept).number - 1))

@@ -86,10 +86,9 @@ impl Model {
         for (k, joint) in self.joints.iter().enumerate().rev() {
             let before = workspace.links.get(joint.parent).copied().unwrap_or(rest);
             let slopes = self.pull_back_joint(k, joint, state, &before, workspace, adjoint);
-            let (c, ratio) = (joint.moved_by.coordinate, joint.moved_by.ratio);
-            of_q[c] += slopes.q * ratio;
-            of_dq[c] += slopes.dq * ratio;
-            of_ddq[c] += slopes.ddq * ratio;
+            joint.project(slopes.q, of_q);
+            joint.project(slopes.dq, of_dq);
+            joint.project(slopes.ddq, of_ddq);
         }
     }
 
@@ -109,7 +108,7 @@ impl Model {
             Some(turn) => before.turned_back(turn),
         };
         let (link, of_link) = (&workspace.links[k], adjoint.links[k]);
-        let dq = joint.moved_by.rate(state.dq);
+        let dq = joint.rate(state.dq);
         let (carried, mut slopes) = joint.pull_back_rates(link, &of_link, dq);
         let (mut parent, mut of_p) = carried_back(link, &before, &carried);
         let support = self.support(k).start;

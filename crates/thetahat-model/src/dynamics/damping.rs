@@ -36,7 +36,7 @@ impl Model {
         q.clear();
         q.extend(state.q.iter().map(|&value| Dual::constant(value)));
         zeros.resize(n, Dual::constant(0.0));
-        let separable = self.coupled_motors().is_empty() && self.terms().is_empty();
+        let separable = self.coupled_motors().is_empty() && self.terms().is_empty() && !self.has_sums;
         d.fill(0.0);
         for k in 0..if separable { 1 } else { n } {
             let direction = |j: usize| if separable || j == k { 1.0 } else { 0.0 };

@@ -50,7 +50,7 @@ impl Model {
         while let (Some(joint), Some(frame)) = (self.joints.get(carrier), frames.get(carrier)) {
             let axis = frame.rotation.map(|row| row[2]);
             let moved = if joint.revolute { cross(axis, add(point, scale(-1.0, frame.origin))) } else { axis };
-            slopes[joint.moved_by.coordinate] += joint.moved_by.ratio * dot(moved, direction);
+            joint.shares().for_each(|(c, ratio)| slopes[c] += ratio * dot(moved, direction));
             carrier = joint.parent;
         }
     }

@@ -47,6 +47,34 @@ impl Model {
                 of_parent.absorb(&wrench.moved_to_parent(&workspace.links[j], joint.turn.as_ref()));
             }
         }
+        if self.has_sums {
+            self.add_torques_of_shares(workspace, tau);
+        }
+    }
+
+    /// The torques of the links on the further joints that a joint follows, whose own wrenches are complete.
+    #[cold]
+    #[inline(never)]
+    fn add_torques_of_shares<T: Real>(&self, workspace: &Workspace<T>, tau: &mut [T]) {
+        for (joint, wrench) in self.joints.iter().zip(&workspace.wrenches) {
+            joint.project_shares(wrench.along(joint.revolute), tau);
+        }
+    }
+
+    /// The torques of the joints' drives where some follow several others.
+    #[cold]
+    #[inline(never)]
+    fn add_drive_torques_of_sums<T: Real, P: Parameter<T>>(
+        &self,
+        parameters: &DynamicParameters<P>,
+        state: State<'_, T>,
+        ddq: &[T],
+        sign: Sign,
+        tau: &mut [T],
+    ) {
+        for (joint, terms) in self.joints.iter().zip(&parameters.joints) {
+            joint.project(terms.torque(&joint.drive_state(state, ddq, sign)), tau);
+        }
     }
 
     /// The torques of the drives: the terms of the joints and of the coupled motors.
@@ -59,17 +87,20 @@ impl Model {
         sign: Sign,
         tau: &mut [T],
     ) {
-        for (joint, terms) in self.joints.iter().zip(&parameters.joints) {
-            let JointCoordinate { coordinate, ratio, .. } = joint.moved_by;
-            tau[coordinate] += terms.torque(&joint.moved_by.state(state, ddq, sign)) * ratio;
+        if self.has_sums {
+            self.add_drive_torques_of_sums(parameters, state, ddq, sign, tau);
+        } else {
+            for (joint, terms) in self.joints.iter().zip(&parameters.joints) {
+                let JointCoordinate { coordinate, ratio, .. } = joint.moved_by;
+                tau[coordinate] += terms.torque(&joint.moved_by.state(state, ddq, sign)) * ratio;
+            }
         }
         for (motor, terms) in self.coupled_motors().iter().zip(&parameters.motors) {
             terms.add_torques(motor, state.dq, ddq, sign, tau);
         }
         for term in &parameters.others {
-            let moved_by = self.coordinate_of(term.joint);
-            let torque = term.torque(&moved_by.state(state, ddq, sign));
-            tau[moved_by.coordinate] += torque * moved_by.ratio;
+            let joint = &self.joints[term.joint];
+            joint.project(term.torque(&joint.drive_state(state, ddq, sign)), tau);
         }
         if !parameters.terms.is_empty() {
             self.add_term_torques(parameters, state, ddq, sign, tau);

@@ -12,6 +12,16 @@ pub struct Jump {
     pub acts_on: Vec<usize>,
 }
 
+/// The jump of a joint's own friction: on the coordinate that moves it, or on all of those whose sum it follows.
+fn of_joint(model: &Model, joint: usize) -> Jump {
+    let shares: Vec<(usize, f64)> = model.shares_of(joint).collect();
+    let acts_on = shares.iter().map(|(c, _)| *c).collect();
+    match shares[..] {
+        [(coordinate, _)] => Jump { velocity: vec![(coordinate, 1.0)], acts_on },
+        _ => Jump { velocity: shares, acts_on },
+    }
+}
+
 impl Jump {
     /// The velocity, rad/s or m/s.
     #[must_use]
@@ -31,7 +41,7 @@ impl Jump {
             let own = |j: usize| Self { velocity: vec![(j, 1.0)], acts_on: vec![j] };
             let jump = match parameter.quantity {
                 Quantity::Link(_) => continue,
-                Quantity::Joint(_) => own(model.coordinate_of(parameter.number - 1).coordinate),
+                Quantity::Joint(_) => of_joint(model, parameter.number - 1),
                 Quantity::Term(term) => own(model.terms()[term.column].moved_by.coordinate),
                 Quantity::Motor(MotorQuantity::Iam | MotorQuantity::Fvm | MotorQuantity::Fcm) => {
                     match model.coupled_motors().iter().find(|m| m.motor + 1 == parameter.number) {

@@ -76,11 +76,15 @@ impl Model {
         }
         for (i, first) in self.joints.iter().enumerate() {
             for (j, second) in self.joints[..=i].iter().enumerate() {
-                let value = m[i * links + j] * (first.moved_by.ratio * second.moved_by.ratio);
-                let [of_first, of_second] = [first, second].map(|joint| joint.moved_by.coordinate);
-                let (row, column) = (of_first.max(of_second), of_first.min(of_second));
-                let both = if i != j && row == column { 2.0 } else { 1.0 };
-                reduced[row * n + column] += value * both;
+                for (a, (of_first, ratio)) in first.shares().enumerate() {
+                    // Each pair of shares of one joint counts once.
+                    let pairs = if i == j { a + 1 } else { usize::MAX };
+                    for (of_second, other) in second.shares().take(pairs) {
+                        let (row, column) = (of_first.max(of_second), of_first.min(of_second));
+                        let both = if i != j && row == column { 2.0 } else { 1.0 };
+                        reduced[row * n + column] += m[i * links + j] * (ratio * other) * both;
+                    }
+                }
             }
         }
     }

@@ -56,6 +56,8 @@ mod series;
 mod sign;
 mod solve;
 mod state;
+#[cfg(test)]
+mod sum_tests;
 mod term_columns;
 #[cfg(test)]
 pub(crate) mod term_tests;

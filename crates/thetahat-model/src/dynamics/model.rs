@@ -1,11 +1,16 @@
 use super::{
     coupled_motor::{CoupledMotor, coupled_motors},
     geometry::JointGeometry,
-    state::JointCoordinate,
+    sign::Sign,
+    state::{JointCoordinate, State},
     term_columns::{ModelTerm, terms_of},
+    terms::JointState,
 };
 use crate::robot::{ParameterTable, Quantity, Robot};
-use thetahat_ground::vector::{Mat3, Vec3};
+use thetahat_ground::{
+    real::Real,
+    vector::{Mat3, Vec3},
+};
 
 /// Why dynamics cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -41,6 +46,8 @@ pub struct Model {
     pub(super) coordinates: Vec<usize>,
     link_axes: Vec<Option<Mat3>>,
     support: Vec<Support>,
+    /// Whether a joint follows several others.
+    pub(super) has_sums: bool,
     motors: Vec<CoupledMotor>,
     table: ParameterTable,
     pub(super) terms: Vec<ModelTerm>,
@@ -55,6 +62,8 @@ pub(crate) struct Support {
     pub(crate) start: usize,
     /// Which of the coordinates moves the joint: its own, or that of the joint that it follows.
     pub(crate) own: usize,
+    /// The same of the further joints that it follows.
+    pub(crate) also: Vec<usize>,
 }
 
 impl Model {
@@ -66,6 +75,7 @@ impl Model {
         let joints: Vec<JointGeometry> = (0..robot.joints.len()).map(geometry).collect();
         Self {
             support: support(&joints),
+            has_sums: joints.iter().any(|joint| !joint.also_moved_by.is_empty()),
             link_axes: robot.joints.iter().map(|j| j.link_axes).collect(),
             motors: coupled_motors(&robot.transmission, &coordinates),
             gravity: robot.gravity,
@@ -121,7 +131,18 @@ impl Model {
         }
     }
 
-    /// The coordinate that moves joint `j`: its own, or the coordinate of the joint that it follows.
+    /// The coordinates that move joint `j` and their ratios: its own, or those of the joints that it follows.
+    pub fn shares_of(&self, j: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        self.joints[j].shares()
+    }
+
+    /// The velocity and the acceleration of joint `j` for its drive.
+    #[inline(always)]
+    pub(crate) fn drive_state<T: Real>(&self, j: usize, state: State<'_, T>, ddq: &[T], sign: Sign) -> JointState<T> {
+        self.joints[j].drive_state(state, ddq, sign)
+    }
+
+    /// The coordinate that moves joint `j`: its own, or the coordinate of the joint that it follows, the first of several.
     #[must_use]
     pub fn coordinate_of(&self, j: usize) -> JointCoordinate {
         self.joints[j].moved_by
@@ -147,18 +168,25 @@ impl Model {
     }
 }
 
+/// The place of a coordinate in a list, to which it is appended if it is not there.
+fn place_of(coordinate: usize, coordinates: &mut Vec<usize>) -> usize {
+    let known = coordinates.iter().position(|&c| c == coordinate);
+    known.unwrap_or_else(|| {
+        coordinates.push(coordinate);
+        coordinates.len() - 1
+    })
+}
+
 fn support(joints: &[JointGeometry]) -> Vec<Support> {
     let mut all: Vec<Support> = Vec::with_capacity(joints.len());
     let mut start = 0;
     for joint in joints {
         let mut coordinates = all.get(joint.parent).map_or_else(Vec::new, |p| p.coordinates.clone());
-        let known = coordinates.iter().position(|&c| c == joint.moved_by.coordinate);
-        let own = known.unwrap_or(coordinates.len());
-        if known.is_none() {
-            coordinates.push(joint.moved_by.coordinate);
-        }
+        let mut places = joint.shares().map(|(coordinate, _)| place_of(coordinate, &mut coordinates));
+        let own = places.next().unwrap_or(0);
+        let also = places.collect();
         let count = coordinates.len();
-        all.push(Support { coordinates, start, own });
+        all.push(Support { coordinates, start, own, also });
         start += count;
     }
     all

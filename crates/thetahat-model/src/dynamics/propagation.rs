@@ -8,6 +8,9 @@ impl Model {
     #[inline(always)]
     pub(crate) fn propagate_motion<T: Real>(&self, state: State<'_, T>, ddq: &[T], links: &mut [LinkMotion<T>]) {
         let Some(&kind) = state.q.first() else { return };
+        if self.has_sums {
+            return self.propagate_motion_of_sums(state, ddq, links);
+        }
         let base = LinkMotion::at_rest(kind, scale(-1.0, self.gravity));
         let mut before = base;
         for (j, joint) in self.joints.iter().enumerate() {
@@ -15,8 +18,20 @@ impl Model {
             if !joint.continues_chain {
                 before = links.get(joint.parent).copied().unwrap_or(base);
             }
-            before = joint.propagate(before, state, ddq);
+            before = joint.propagate(before, joint.motion_of_first(state, ddq));
             links[j] = before;
+        }
+    }
+
+    /// The same where a joint follows several others.
+    #[cold]
+    #[inline(never)]
+    fn propagate_motion_of_sums<T: Real>(&self, state: State<'_, T>, ddq: &[T], links: &mut [LinkMotion<T>]) {
+        let Some(&kind) = state.q.first() else { return };
+        let base = LinkMotion::at_rest(kind, scale(-1.0, self.gravity));
+        for (j, joint) in self.joints.iter().enumerate() {
+            let before = links.get(joint.parent).copied().unwrap_or(base);
+            links[j] = joint.propagate(before, joint.motion(state, ddq));
         }
     }
 
@@ -48,7 +63,22 @@ impl Model {
                 *twist = turned.seen_from(link);
             }
         }
-        let own = joint.twist(links[k].dv[0]);
+        let kind = links[k].dv[0];
+        let own = joint.twist(kind, joint.moved_by.ratio);
         here[support.own] = if support.own < carried { here[support.own].plus(&own) } else { own };
+        if !support.also.is_empty() {
+            self.add_twists_of_shares(k, carried, kind, here);
+        }
+    }
+
+    /// The unit twists by the further joints that joint `k` follows; the first `carried` have those of the parent's link.
+    #[cold]
+    #[inline(never)]
+    fn add_twists_of_shares<T: Real>(&self, k: usize, carried: usize, kind: T, here: &mut [Twist<T>]) {
+        let joint = &self.joints[k];
+        for (&place, (_, ratio)) in self.support(k).also.iter().zip(&joint.also_moved_by) {
+            let own = joint.twist(kind, *ratio);
+            here[place] = if place < carried { here[place].plus(&own) } else { own };
+        }
     }
 }

@@ -94,7 +94,7 @@ fn coordinates(shape: &Shape, own: JointCoordinate, joints: &[JointGeometry]) ->
         Shape::BetweenPoints(TwoPoints { from, to, .. }) => {
             let [from, to] = [from, to].map(|end| joints_before(end.joint, joints));
             let moves_one = |j: &&usize| from.contains(*j) != to.contains(*j);
-            from.iter().chain(&to).filter(moves_one).map(|j| joints[*j].moved_by.coordinate).collect()
+            from.iter().chain(&to).filter(moves_one).flat_map(|j| joints[*j].shares().map(|(c, _)| c)).collect()
         }
         Shape::Constant
         | Shape::Deflection { .. }

@@ -119,7 +119,7 @@ impl Model {
         ddq: &[T],
         sign: Sign,
     ) -> T {
-        let joint = |j: &usize| self.joints[*j].moved_by;
+        let joint = |j: &usize| &self.joints[*j];
         let value = |(variable, channel): (&Variable, &usize)| match variable {
             Variable::Position(j) => joint(j).position(state.q),
             Variable::Velocity(j) => joint(j).rate(state.dq),

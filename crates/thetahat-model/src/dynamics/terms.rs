@@ -28,8 +28,14 @@ impl JointCoordinate {
     /// The joint's own state.
     #[inline(always)]
     pub(crate) fn state<T: Real>(&self, state: State<'_, T>, ddq: &[T], sign: Sign) -> JointState<T> {
-        let dq = self.rate(state.dq);
-        JointState { dq, ddq: self.rate(ddq), s: sign.of_each(dq) }
+        JointState::new(self.rate(state.dq), self.rate(ddq), sign)
+    }
+}
+
+impl<T: Real> JointState<T> {
+    #[inline(always)]
+    pub(super) fn new(dq: T, ddq: T, sign: Sign) -> Self {
+        Self { dq, ddq, s: sign.of_each(dq) }
     }
 }
 

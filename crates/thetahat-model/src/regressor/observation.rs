@@ -39,6 +39,8 @@ enum Source {
 pub(super) enum DriveEntry {
     /// A parameter of a joint, on the coordinate that moves it.
     Joint { quantity: JointQuantity, moved_by: JointCoordinate },
+    /// A parameter of a joint that follows several others, on one of their coordinates.
+    Sum { quantity: JointQuantity, joint: usize, ratio: f64 },
     /// A parameter of the coupled motor at this index, on one of the coordinates that move it.
     Motor { quantity: MotorQuantity, motor: usize, coordinate: usize },
     /// A parameter of the term at this index, on one of the coordinates on which it acts.
@@ -55,6 +57,9 @@ impl DriveEntry {
             Self::Term { column, coordinate } => {
                 model.term_torque(&model.terms()[column], coordinate, state, ddq, sign)
             }
+            Self::Sum { quantity, joint, ratio } => {
+                quantity.torque(&model.drive_state(joint, state, ddq, sign)) * ratio
+            }
             Self::Joint { quantity, moved_by } => quantity.torque(&moved_by.state(state, ddq, sign)) * moved_by.ratio,
         }
     }
@@ -64,6 +69,7 @@ impl DriveEntry {
         let rates = |c: usize| [(1, c), (2, c)];
         match self {
             Self::Joint { moved_by, .. } => rates(moved_by.coordinate).to_vec(),
+            Self::Sum { joint, .. } => model.shares_of(*joint).flat_map(|(c, _)| rates(c)).collect(),
             Self::Motor { motor, .. } => {
                 model.coupled_motors()[*motor].weights.iter().flat_map(|(c, _)| rates(*c)).collect()
             }
@@ -202,7 +208,13 @@ fn sources_of(model: &Model, parameter: &Parameter) -> Vec<(usize, Source)> {
         }
         Quantity::Joint(quantity) => {
             let moved_by = model.coordinate_of(own);
-            vec![(moved_by.coordinate, Source::Drive(DriveEntry::Joint { quantity, moved_by }))]
+            match model.shares_of(own).count() {
+                1 => vec![(moved_by.coordinate, Source::Drive(DriveEntry::Joint { quantity, moved_by }))],
+                _ => {
+                    let entry = |ratio| Source::Drive(DriveEntry::Sum { quantity, joint: own, ratio });
+                    model.shares_of(own).map(|(coordinate, ratio)| (coordinate, entry(ratio))).collect()
+                }
+            }
         }
         Quantity::Motor(quantity) => {
             let motors = model.coupled_motors().iter().enumerate().filter(|(_, m)| m.motor == own);

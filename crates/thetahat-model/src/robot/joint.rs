@@ -72,6 +72,9 @@ pub struct Joint {
     pub link_axes: Option<[[f64; 3]; 3]>,
     /// The joint that it follows, if it has no coordinate of its own.
     pub mimic: Option<Mimic>,
+    /// Further joints that it follows at the same time, each another one: its coordinate is the sum of the shares of all, and its torque
+    /// acts on each. Empty without `mimic`.
+    pub also_follows: Vec<Share>,
     /// Its known limits.
     pub limits: Limits,
 }
@@ -99,6 +102,40 @@ pub struct Mimic {
     pub ratio: f64,
     /// Its coordinate when the other's is zero, rad or m.
     pub offset: f64,
+}
+
+/// The share of another joint in the coordinate of one that follows several, as the tool of a palletiser follows shoulder and elbow.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Share {
+    /// Index of the joint that it follows, which follows none.
+    pub of: usize,
+    /// Its velocity per velocity of the other.
+    pub ratio: f64,
+}
+
+impl Joint {
+    /// The joints that it follows, with their shares; none if it has a coordinate of its own.
+    pub fn follows(&self) -> impl Iterator<Item = Share> + '_ {
+        let first = self.mimic.map(|mimic| Share { of: mimic.of, ratio: mimic.ratio });
+        first.into_iter().chain(self.also_follows.iter().copied())
+    }
+
+    /// That it follows a sum of joints: its coordinate is `offset` where theirs are zero.
+    pub(super) fn follow(&mut self, sum: Option<FollowedSum>) {
+        let Some(FollowedSum { shares, offset }) = sum else { return };
+        let mut shares = shares.into_iter();
+        self.mimic = shares.next().map(|first| Mimic { of: first.of, ratio: first.ratio, offset });
+        self.also_follows = shares.collect();
+    }
+}
+
+/// A sum of joints that a joint follows, each once.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FollowedSum {
+    /// At least one.
+    pub(super) shares: Vec<Share>,
+    /// The coordinate where those of the joints are zero, rad or m.
+    pub(super) offset: f64,
 }
 
 /// The limits of a joint that its description states: none if it states nothing, and a velocity or an effort of zero if it

@@ -42,7 +42,7 @@ pub use body::{Frame, RigidBody};
 pub use branches::Branch;
 pub use description::{Doubt, DoubtGrade, Robot};
 pub use error::RobotError;
-pub use joint::{DenavitHartenberg, Joint, JointKind, Limits, Mimic, Placement};
+pub use joint::{DenavitHartenberg, Joint, JointKind, Limits, Mimic, Placement, Share};
 #[doc(hidden)]
 pub use locking::LinkPart;
 pub use locking::{LockError, LockedJoint, Locks};

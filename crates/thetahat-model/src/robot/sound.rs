@@ -49,7 +49,11 @@ impl Robot {
         let numbers = [placement.gamma, placement.alpha, placement.theta].into_iter().chain(placement.origin);
         if joint.parent.is_some_and(|parent| parent >= j) {
             Some("stands before its parent; parents come first")
-        } else if joint.mimic.is_some_and(|m| !leads(m.of) || !m.ratio.is_finite() || !m.offset.is_finite()) {
+        } else if joint.mimic.is_none() && !joint.also_follows.is_empty() {
+            Some("has also_follows without mimic, the first joint that it follows")
+        } else if joint.follows().any(|share| !leads(share.of) || !share.ratio.is_finite())
+            || joint.mimic.is_some_and(|m| !m.offset.is_finite())
+        {
             Some("follows no joint that follows none, or by a number that is not finite")
         } else if !numbers.into_iter().all(f64::is_finite) {
             Some("has a placement that is not finite")

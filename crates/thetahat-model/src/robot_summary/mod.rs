@@ -17,6 +17,6 @@ mod values;
 
 pub use motion::{FrameJoint, MovingFrames};
 pub use values::{
-    BaseParameterSummary, JointSummary, MimicSummary, ParameterCount, ParameterCounts, RobotSummary,
+    BaseParameterSummary, JointSummary, MimicSummary, ParameterCount, ParameterCounts, RobotSummary, ShareSummary,
     StandardParameterSummary, TransmissionSummary,
 };

@@ -1,5 +1,5 @@
 use super::values::{
-    BaseParameterSummary, JointSummary, MimicSummary, ParameterCount, ParameterCounts, RobotSummary,
+    BaseParameterSummary, JointSummary, MimicSummary, ParameterCount, ParameterCounts, RobotSummary, ShareSummary,
     StandardParameterSummary, TransmissionSummary,
 };
 use crate::{
@@ -49,6 +49,11 @@ fn joints(robot: &Robot) -> Vec<JointSummary> {
             parent: joint.parent.map(|p| p + 1),
             coordinate: coordinates.iter().position(|&c| c == j).map(|c| c + 1),
             mimic: joint.mimic.map(|m| MimicSummary { joint: m.of + 1, ratio: m.ratio, offset: m.offset }),
+            also_follows: joint
+                .also_follows
+                .iter()
+                .map(|share| ShareSummary { joint: share.of + 1, ratio: share.ratio })
+                .collect(),
             gamma_alpha_theta: [gamma, alpha, theta],
             origin,
             link_axes: joint.link_axes,

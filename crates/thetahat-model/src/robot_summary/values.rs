@@ -51,6 +51,9 @@ pub struct JointSummary {
     pub coordinate: Option<usize>,
     /// The joint that it follows.
     pub mimic: Option<MimicSummary>,
+    /// Further joints that it follows: its coordinate is the sum.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub also_follows: Vec<ShareSummary>,
     /// Angles `Rot(z, gamma) Rot(x, alpha) Rot(z, theta)` to the frame before, rad.
     pub gamma_alpha_theta: [f64; 3],
     /// Origin in the frame before, m.
@@ -77,6 +80,15 @@ pub struct MimicSummary {
     pub ratio: f64,
     /// Coordinate when the other joint's coordinate is zero, rad or m.
     pub offset: f64,
+}
+
+/// The share of a further joint that a joint follows.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ShareSummary {
+    /// Number of the other.
+    pub joint: usize,
+    /// Velocity per velocity of the other.
+    pub ratio: f64,
 }
 
 /// The transmission, `q = N^-1 q_motor + offset`.

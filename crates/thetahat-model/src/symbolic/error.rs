@@ -7,6 +7,15 @@ pub enum SymbolicError {
     /// The base parameters are not unique.
     #[error("{0}")]
     BaseParameters(#[from] BaseParametersError),
+    /// A joint follows several others.
+    #[error(
+        "joint `{joint}` follows several others, which generated code does not have; give each share of it a joint of its own: a \
+         chain of joints that follow one each (docs/reference/robots.md)"
+    )]
+    FollowsSeveral {
+        /// The joint.
+        joint: String,
+    },
     /// A torque term uses a recorded channel.
     #[error(
         "the torque term of `{parameter}` takes the recorded channel `{channel}`, which is no input of generated code; take the term \

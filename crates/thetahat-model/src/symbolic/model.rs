@@ -152,6 +152,9 @@ struct Made<'a> {
 
 impl<'a> Made<'a> {
     fn new(robot: &'a Robot, request: &'a Request) -> Result<Self, SymbolicError> {
+        if let Some(joint) = robot.joints.iter().find(|joint| !joint.also_follows.is_empty()) {
+            return Err(SymbolicError::FollowsSeveral { joint: joint.name.clone() });
+        }
         let model = Model::new(robot);
         let base = match request.parameters {
             ParameterSet::Base if request.model.has_parameters() => Some(BaseParameters::of(&model, &[])?),

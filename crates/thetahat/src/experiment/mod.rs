@@ -17,6 +17,7 @@ mod column_names;
 mod copies;
 mod delays;
 mod description;
+mod driver;
 mod error;
 mod identified;
 mod paths;
@@ -35,6 +36,9 @@ pub(crate) use paths::path_in_project;
 
 #[doc(hidden)]
 pub use description::{Experiment, ExperimentFile, RecordingDescription, TwinDescription, Unlisted};
+pub use driver::Driver;
+#[doc(hidden)]
+pub use driver::{DriverController, DriverError, DriverSignal, DriverTime};
 pub use error::ExperimentError;
 pub use identified::{EstimateRequest, IdentifiedRobot};
 #[doc(hidden)]
@@ -44,6 +48,6 @@ pub use proposal::{
     Proposal, ProposalError, ProposalFiles, ProposalRequest, ProposedChannels, ProposedSignal, propose,
 };
 #[doc(hidden)]
-pub use proposal::{ProposedClock, ProposedControl, ProposedLock, ProposedRecording};
+pub use proposal::{ProposedClock, ProposedControl, ProposedDriver, ProposedLock, ProposedRecording};
 #[doc(hidden)]
 pub use twin::{TwinMotion, TwinReference};

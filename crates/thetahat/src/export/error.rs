@@ -69,6 +69,17 @@ pub enum ExportError {
     /// Something has no form in JSON.
     #[error("the export cannot be written as JSON: {0}")]
     Unwritable(#[from] serde_json::Error),
+    /// A joint follows several others, which the format has not.
+    #[error(
+        "joint `{joint}` follows several others, and {} has no such joint: another program would take it to follow one; JSON \
+         has it, and so has the URDF that the robot was read from", format.title()
+    )]
+    FollowsSeveral {
+        /// The joint.
+        joint: String,
+        /// The format.
+        format: ExportFormat,
+    },
     /// No reader for a check.
     #[error("{} is not read back: it holds the parameters as they are, and nothing is to be checked", format.title())]
     NoReader {

@@ -30,10 +30,18 @@ struct JointEntry<'a> {
     origin: [f64; 3],
     link_axes: [[f64; 3]; 3],
     mimic: Option<MimicEntry<'a>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    also_follows: Vec<ShareEntry<'a>>,
     lower: Option<f64>,
     upper: Option<f64>,
     velocity: Option<f64>,
     effort: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct ShareEntry<'a> {
+    joint: &'a str,
+    ratio: f64,
 }
 
 #[derive(Serialize)]
@@ -95,6 +103,7 @@ fn entry<'a>(robot: &'a Robot, joint: &'a Joint) -> JointEntry<'a> {
         origin: joint.placement.origin,
         link_axes: joint.link_axes.unwrap_or(thetahat_ground::vector::IDENTITY),
         mimic: joint.mimic.map(|m| MimicEntry { joint: name(m.of), ratio: m.ratio, offset: m.offset }),
+        also_follows: joint.also_follows.iter().map(|s| ShareEntry { joint: name(s.of), ratio: s.ratio }).collect(),
         lower: joint.limits.lower,
         upper: joint.limits.upper,
         velocity: joint.limits.velocity,

@@ -86,6 +86,8 @@ pub fn export_robot<'t>(
     about: &[String],
 ) -> Result<Export, ExportError> {
     let target = target.into();
+    let keeps_the_file = matches!((target, urdf), (Target::File(ExportFormat::Urdf), Some(_)));
+    require_one_leader(robot, target.format(), keeps_the_file)?;
     let represented = represented(robot, parameters, target.format());
     let header = |notes: &[String]| header::comment(robot, &represented, about, notes);
     let whole = |edited: Edited| (edited.with_header(&header(&edited.notes)), edited.notes);
@@ -108,4 +110,49 @@ pub fn export_robot<'t>(
         represented,
         is_edited_model,
     })
+}
+
+/// That no joint follows several others, where the format has no such joint.
+fn require_one_leader(robot: &Robot, format: ExportFormat, keeps_the_file: bool) -> Result<(), ExportError> {
+    let of_several = robot.joints.iter().find(|joint| !joint.also_follows.is_empty());
+    match (of_several, format) {
+        (Some(joint), ExportFormat::Urdf | ExportFormat::Mjcf | ExportFormat::Sdf) if !keeps_the_file => {
+            Err(ExportError::FollowsSeveral { joint: joint.name.clone(), format })
+        }
+        (Some(_) | None, ExportFormat::Urdf | ExportFormat::Mjcf | ExportFormat::Sdf | ExportFormat::Json) => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    const URDF: &str = "<robot name='r'><link name='base'/>\
+        <link name='a'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>\
+        <link name='b'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>\
+        <link name='c'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>\
+        <joint name='ja' type='continuous'><parent link='base'/><child link='a'/><axis xyz='0 1 0'/></joint>\
+        <joint name='jb' type='continuous'><parent link='a'/><child link='b'/><axis xyz='0 1 0'/></joint>\
+        <joint name='jc' type='continuous'><parent link='b'/><child link='c'/><axis xyz='0 1 0'/>\
+        <mimic joint='ja' multiplier='-1'/><mimic joint='jb' multiplier='-1'/></joint></robot>";
+
+    /// A format without joints that follow several others is refused; JSON has them, and an edited URDF keeps its own.
+    #[test]
+    fn a_joint_that_follows_several_is_written_where_the_format_has_it() {
+        let robot = thetahat_model::robot::RobotSource::from_text(URDF.to_owned(), Path::new("r.urdf")).unwrap();
+        let robot = robot.robot_without_transmission().unwrap();
+        let parameters = robot.a_priori_parameters();
+        let written = |urdf: Option<&str>, format: ExportFormat| export_robot(&robot, urdf, &parameters, format, &[]);
+        for format in [ExportFormat::Urdf, ExportFormat::Mjcf, ExportFormat::Sdf] {
+            let error = written(None, format).unwrap_err().to_string();
+            assert!(error.contains("joint `jc` follows several others") && error.contains("JSON has it"), "{error}");
+        }
+        let json = written(None, ExportFormat::Json).unwrap().text;
+        assert!(json.contains("also_follows") && json.matches("\"ratio\": -1").count() == 2, "{json}");
+        let edited = written(Some(URDF), ExportFormat::Urdf).unwrap();
+        assert_eq!(edited.text.matches("<mimic ").count(), 2);
+        assert!(edited.not_represented.iter().any(|line| line.contains("take the first <mimic>")));
+    }
 }

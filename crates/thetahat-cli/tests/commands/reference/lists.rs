@@ -88,6 +88,13 @@ pub fn spellings(sources: &Sources) -> String {
     table(&["unit", "also written"], &rows)
 }
 
+/// The drivers that come with the program.
+pub fn drivers() -> String {
+    let drivers = thetahat::experiment::Driver::presets().expect("the presets are sound");
+    let row = |d: &thetahat::experiment::Driver| vec![code(&d.name), d.title.clone(), d.effort.replace('|', "\\|")];
+    table(&["name", "robots", "what effort means"], &drivers.iter().map(row).collect::<Vec<_>>())
+}
+
 /// The words by which columns are recognised.
 pub fn column_names(sources: &Sources) -> String {
     let file = sources.file("experiment/column_names");

@@ -89,7 +89,9 @@ impl Locks {
         }
         for (j, joint) in joints.iter().enumerate() {
             if let Some(mimic) = joint.mimic {
-                values[j] = values[mimic.of].map(|leader| mimic.ratio * leader + mimic.offset);
+                let shares: Option<Vec<f64>> =
+                    joint.follows().map(|share| values[share.of].map(|leader| share.ratio * leader)).collect();
+                values[j] = shares.map(|shares| shares.iter().sum::<f64>() + mimic.offset);
             }
         }
         refuse_standstill(&values).map(|()| values)
@@ -101,7 +103,8 @@ impl Locks {
         for name in &self.until {
             let mut next = Some(index_of(joints, "until", name)?);
             while let Some(j) = next {
-                moves[joints[j].mimic.map_or(j, |mimic| mimic.of)] = true;
+                moves[j] = true;
+                joints[j].follows().for_each(|share| moves[share.of] = true);
                 next = joints[j].parent;
             }
         }

@@ -7,7 +7,7 @@ use super::{
     terms::{a_priori_of_terms, remaining_terms},
     transmission::{Remaining, remaining},
 };
-use crate::robot::{INERTIAL, Joint, Mimic, Robot, body::RigidBody};
+use crate::robot::{INERTIAL, Joint, Mimic, Robot, Share, body::RigidBody};
 
 impl Robot {
     /// The robot with these joints fixed at their values: the links of locked joints become part of the links that carry them,
@@ -20,6 +20,22 @@ impl Robot {
     }
 }
 
+/// The joints that a joint follows, by their new numbers.
+struct Followed {
+    mimic: Option<Mimic>,
+    also_follows: Vec<Share>,
+}
+
+/// What is left of the sum of joints that a joint follows: the shares of those that are locked are part of the offset.
+fn followed(joint: &Joint, numbers: &[Option<usize>], locked: &[Option<f64>]) -> Followed {
+    let left = |share: Share| Some(Share { of: numbers[share.of]?, ratio: share.ratio });
+    let mut left = joint.follows().filter_map(left);
+    let of_locked: f64 = joint.follows().filter_map(|share| Some(share.ratio * locked[share.of]?)).sum();
+    let offset = joint.mimic.map_or(0.0, |mimic| mimic.offset) + of_locked;
+    let mimic = left.next().map(|first| Mimic { of: first.of, ratio: first.ratio, offset });
+    Followed { mimic, also_follows: left.collect() }
+}
+
 /// The robot with the joints locked that have a value.
 pub(in crate::robot) fn merged(robot: &Robot, locked: &[Option<f64>]) -> Result<Robot, LockError> {
     if locked.iter().all(Option::is_none) {
@@ -30,9 +46,9 @@ pub(in crate::robot) fn merged(robot: &Robot, locked: &[Option<f64>]) -> Result<
     let places = places(&robot.joints, locked);
     let joint = |(j, joint): (usize, &Joint)| {
         let _moves = numbers[j]?;
-        let mimic = joint.mimic.and_then(|m| Some(Mimic { of: numbers[m.of]?, ..m }));
+        let Followed { mimic, also_follows } = followed(joint, &numbers, locked);
         let (parent, placement) = placement(joint, &places, locked);
-        Some(Joint { parent: parent.and_then(|p| numbers[p]), placement, mimic, ..joint.clone() })
+        Some(Joint { parent: parent.and_then(|p| numbers[p]), placement, mimic, also_follows, ..joint.clone() })
     };
     let joints = robot.joints.iter().enumerate().filter_map(joint).collect();
     let names = robot.joints.iter().zip(locked).filter_map(|(joint, value)| {

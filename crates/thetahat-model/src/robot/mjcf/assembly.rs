@@ -90,6 +90,7 @@ impl<'a> Assembly<'a> {
             kind: moving.kind,
             parent: carrier,
             placement: Placement::new(&rotation, origin),
+            also_follows: Vec::new(),
             link_axes: link_axes(&axes),
             mimic: None,
             limits: moving.limits,

@@ -14,6 +14,16 @@ pub enum TermError {
         /// The names of the joints.
         known: Vec<String>,
     },
+    /// A joint that follows several others.
+    #[error(
+        "{term}: joint `{joint}` follows several others, and takes no terms; give the term to the joints that it follows"
+    )]
+    FollowsSeveral {
+        /// The term.
+        term: String,
+        /// The joint.
+        joint: String,
+    },
     /// A value that cannot be used.
     #[error("{term}: {key} is {found}, expected {expected}")]
     Value {

@@ -60,7 +60,16 @@ impl Resolver<'_> {
     fn joints(&self) -> Result<Vec<usize>, TermError> {
         match self.description.joints() {
             None => Ok(self.robot.coordinate_joints()),
-            Some(names) => names.iter().map(|name| self.joint(name)).collect(),
+            Some(names) => names.iter().map(|name| self.own_joint(name)).collect(),
+        }
+    }
+
+    /// A joint that a term acts on.
+    fn own_joint(&self, name: &str) -> Result<usize, TermError> {
+        let joint = self.joint(name)?;
+        match self.robot.joints[joint].also_follows.is_empty() {
+            true => Ok(joint),
+            false => Err(TermError::FollowsSeveral { term: self.place(), joint: name.to_owned() }),
         }
     }
 

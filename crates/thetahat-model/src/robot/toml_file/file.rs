@@ -81,12 +81,13 @@ pub(super) struct JointEntry {
     /// Length along the z axis, m; the coordinate of a prismatic joint is added.
     #[serde(default)]
     pub(super) d_m: f64,
-    /// The joint that it follows.
-    pub(super) mimic: Option<MimicEntry>,
+    /// The joint that it follows, or several: its coordinate is the sum.
+    #[serde(default)]
+    pub(super) mimic: Option<OneOrEach<MimicEntry>>,
 }
 
 /// A joint that follows another.
-#[derive(Deserialize)]
+#[derive(Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MimicEntry {
     /// The joint that is followed.

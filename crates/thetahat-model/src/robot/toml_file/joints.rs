@@ -5,7 +5,8 @@ use super::{
     reader::Reader,
 };
 use crate::robot::{
-    DenavitHartenberg, Joint, JointKind, LARGEST, Limits, MOST_JOINTS, Mimic, Placement, RobotError, tree,
+    DenavitHartenberg, Joint, JointKind, LARGEST, Limits, MOST_JOINTS, Mimic, Placement, RobotError, Share,
+    joint::FollowedSum, tree,
 };
 
 type Entry = Spanned<JointEntry>;
@@ -19,10 +20,15 @@ impl Reader<'_> {
         let order = tree::depth_first(&parents).map_err(|cycle| self.cycle(entries, &cycle))?;
         let mut place = vec![0; entries.len()];
         order.iter().enumerate().for_each(|(new, &old)| place[old] = new);
-        let mimics = self.mimics(entries)?;
+        let sums = self.sums(entries)?;
         let frames = match convention {
             Convention::Modified => entries.iter().map(|e| modified(e.as_ref())).collect(),
             Convention::Standard => self.standard(entries, &parents)?,
+        };
+        let followed = |old: usize| {
+            let mut sum = sums[old].clone()?;
+            sum.shares.iter_mut().for_each(|share| share.of = place[share.of]);
+            Some(sum)
         };
         let joint = |&old: &usize| Joint {
             name: entries[old].as_ref().name.clone(),
@@ -30,10 +36,13 @@ impl Reader<'_> {
             parent: parents[old].map(|p| place[p]),
             placement: Placement::from(frames[old]),
             link_axes: None,
-            mimic: mimics[old].map(|mimic| Mimic { of: place[mimic.of], ..mimic }),
+            mimic: None,
+            also_follows: Vec::new(),
             limits: Limits::default(),
         };
-        Ok(order.iter().map(joint).collect())
+        let mut joints: Vec<Joint> = order.iter().map(joint).collect();
+        joints.iter_mut().zip(&order).for_each(|(joint, &old)| joint.follow(followed(old)));
+        Ok(joints)
     }
 
     fn check_count(&self, entries: &[Entry]) -> Result<(), RobotError> {
@@ -82,15 +91,25 @@ impl Reader<'_> {
         entries.iter().map(parent).collect()
     }
 
-    fn mimics(&self, entries: &[Entry]) -> Result<Vec<Option<Mimic>>, RobotError> {
-        let mimic = |entry: &Entry| match &entry.as_ref().mimic {
+    /// The sum of the joints that each joint follows, by their places in the file.
+    fn sums(&self, entries: &[Entry]) -> Result<Vec<Option<FollowedSum>>, RobotError> {
+        let sum = |entry: &Entry| match &entry.as_ref().mimic {
             None => Ok(None),
-            Some(mimic) => self.mimic(entries, entry, mimic).map(Some),
+            Some(mimics) => self.sum(entries, entry, mimics.given()).map(Some),
         };
-        let mimics = entries.iter().map(mimic).collect::<Result<Vec<_>, _>>()?;
-        tree::resolve_mimics(&mimics).map_err(|j| {
+        let sums = entries.iter().map(sum).collect::<Result<Vec<_>, _>>()?;
+        tree::resolve_sums(&sums).map_err(|j| {
             self.joint(&entries[j], "follows itself, or by a ratio beyond 1e9; one joint must follow none")
         })
+    }
+
+    fn sum(&self, entries: &[Entry], entry: &Entry, mimics: &[MimicEntry]) -> Result<FollowedSum, RobotError> {
+        if mimics.is_empty() {
+            return Err(self.joint(entry, "has mimic = [], which names no joint; leave it out"));
+        }
+        let mimics = mimics.iter().map(|mimic| self.mimic(entries, entry, mimic)).collect::<Result<Vec<_>, _>>()?;
+        let shares = mimics.iter().map(|mimic| Share { of: mimic.of, ratio: mimic.ratio }).collect();
+        Ok(FollowedSum { shares, offset: mimics.iter().map(|mimic| mimic.offset).sum() })
     }
 
     fn mimic(&self, entries: &[Entry], entry: &Entry, mimic: &MimicEntry) -> Result<Mimic, RobotError> {

@@ -115,6 +115,18 @@ fn a_follower_in_degrees_or_metres_has_no_coordinate() {
     assert!(matches!(mimic("offset_deg = 1").unwrap_err(), RobotError::Joint { line: 6, .. }));
 }
 
+#[test]
+fn a_follower_of_no_joint_or_of_itself_by_a_sum_is_refused() {
+    let joint = |name: &str, mimic: &str| format!("[[joint]]\nname = '{name}'\nkind = 'revolute'\n{mimic}\n");
+    let text = |mimic: &str| format!("name = 'r'\n{}{}{}", joint("a", ""), joint("b", ""), joint("c", mimic));
+    let message = |mimic: &str| parse(&text(mimic)).unwrap_err().to_string();
+    assert!(message("mimic = []").contains("names no joint; leave it out"), "{}", message("mimic = []"));
+    let itself = "mimic = [{ joint = 'a', ratio = 1 }, { joint = 'c', ratio = 1 }]";
+    assert!(message(itself).contains("joint `c` follows itself"), "{}", message(itself));
+    let term = "mimic = [{ joint = 'a', ratio = 1 }, { joint = 'b', ratio = 1 }]\n[[term]]\nkind = 'joint-spring'\njoints = ['c']";
+    assert!(message(term).contains("joint `c` follows several others, and takes no terms"), "{}", message(term));
+}
+
 /// `Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha)` multiplied out.
 fn standard_frame([a, alpha, d, theta]: [f64; 4]) -> (Mat3, Vec3) {
     let ((sa, ca), (st, ct)) = (alpha.sin_cos(), theta.sin_cos());

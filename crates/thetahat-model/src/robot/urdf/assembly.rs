@@ -3,14 +3,15 @@ use std::collections::BTreeMap;
 use super::{
     UrdfError,
     element::{Element, shortened},
-    joints::{JointElement, Moving},
+    joints::{JointElement, MimicElement, Moving},
     links,
     structure::{Structure, unknown},
     transmissions::{self, Drive},
 };
 use crate::robot::{
-    Doubt, INERTIAL, Joint, Mimic, Placement, Transmission,
+    Doubt, INERTIAL, Joint, Placement, Share, Transmission,
     body::{Frame, RigidBody},
+    joint::FollowedSum,
     tree,
 };
 use thetahat_ground::{
@@ -91,22 +92,39 @@ impl<'s, 'a> Assembly<'s, 'a> {
             placement: Placement::new(&rotation, origin),
             link_axes: (!moving.has_link_axes()).then(|| transpose(&moving.axes)),
             mimic: None,
+            also_follows: Vec::new(),
             limits: moving.limits,
         }
     }
 
     /// Resolves the `<mimic>` of joints.
     pub(super) fn follow(&mut self) -> Result<(), UrdfError> {
-        let mimics = self.moving.iter().map(|m| self.mimic(m)).collect::<Result<Vec<_>, _>>()?;
-        let resolved = tree::resolve_mimics(&mimics).map_err(|joint| self.follows_itself(joint))?;
-        self.joints.iter_mut().zip(resolved).for_each(|(joint, mimic)| joint.mimic = mimic);
+        let sums = self.moving.iter().map(|m| self.sum(m)).collect::<Result<Vec<_>, _>>()?;
+        let resolved = tree::resolve_sums(&sums).map_err(|joint| self.follows_itself(joint))?;
+        self.joints.iter_mut().zip(resolved).for_each(|(joint, sum)| joint.follow(sum));
         Ok(())
     }
 
-    fn mimic(&self, moving: &Moving<'_>) -> Result<Option<Mimic>, UrdfError> {
-        let Some(mimic) = &moving.mimic else { return Ok(None) };
+    /// Notes of joints that follow several others.
+    pub(super) fn notes_of_sums(&self) -> Vec<Doubt> {
+        let note = |mimic: &MimicElement<'_>| {
+            let what =
+                "the joint follows the sum of several others; other programs take the first <mimic> alone".to_owned();
+            Doubt::note(mimic.element.place().to_string(), what, "leave all but one out where no sum is meant")
+        };
+        self.moving.iter().filter_map(|moving| moving.mimics.get(1)).map(note).collect()
+    }
+
+    /// The sum of the joints that a joint follows.
+    fn sum(&self, moving: &Moving<'_>) -> Result<Option<FollowedSum>, UrdfError> {
+        let shares = moving.mimics.iter().map(|mimic| self.share(mimic)).collect::<Result<Vec<_>, _>>()?;
+        let offset = moving.mimics.iter().map(|mimic| mimic.offset).sum();
+        Ok((!shares.is_empty()).then_some(FollowedSum { shares, offset }))
+    }
+
+    fn share(&self, mimic: &MimicElement<'_>) -> Result<Share, UrdfError> {
         match self.joints.iter().position(|joint| joint.name == mimic.joint) {
-            Some(of) => Ok(Some(Mimic { of, ratio: mimic.ratio, offset: mimic.offset })),
+            Some(of) => Ok(Share { of, ratio: mimic.ratio }),
             None => {
                 let names: Vec<&str> = self.joints.iter().map(|j| j.name.as_str()).collect();
                 Err(unknown(mimic.element, "moving joint", mimic.joint, names.iter()))
@@ -115,7 +133,7 @@ impl<'s, 'a> Assembly<'s, 'a> {
     }
 
     fn follows_itself(&self, joint: usize) -> UrdfError {
-        let mimic = self.moving[joint].mimic.as_ref();
+        let mimic = self.moving[joint].mimics.first();
         let place = mimic.map_or_else(|| self.links[0].place(), |mimic| mimic.element.place());
         let joint = mimic.map_or(String::new(), |mimic| mimic.joint.to_owned());
         UrdfError::Mimic {

@@ -44,6 +44,10 @@ impl<'a> Element<'a> {
         self.elements().find(|element| element.tag() == tag)
     }
 
+    pub(super) fn children(self, tag: &str) -> impl Iterator<Item = Self> {
+        self.elements().filter(move |element| element.tag() == tag)
+    }
+
     pub(super) fn required_child(self, tag: &str, remedy: &'static str) -> Result<Self, UrdfError> {
         self.child(tag).ok_or_else(|| self.missing(&format!("<{tag}>"), remedy))
     }

@@ -25,7 +25,8 @@ pub(super) struct Moving<'a> {
     pub(super) limits: Limits,
     /// Viscous and Coulomb friction.
     pub(super) friction: [f64; 2],
-    pub(super) mimic: Option<MimicElement<'a>>,
+    /// One for each joint that it follows: the coordinate is the sum.
+    pub(super) mimics: Vec<MimicElement<'a>>,
 }
 
 pub(super) struct MimicElement<'a> {
@@ -67,7 +68,7 @@ impl<'a> Moving<'a> {
             axes: axes(element)?,
             limits: limits(element)?,
             friction: friction(element)?,
-            mimic: element.child("mimic").map(MimicElement::read).transpose()?,
+            mimics: element.children("mimic").map(MimicElement::read).collect::<Result<_, _>>()?,
         }))
     }
 

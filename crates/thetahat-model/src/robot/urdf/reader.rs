@@ -55,6 +55,7 @@ pub(in crate::robot) fn read(
     assembly.follow()?;
     let locked = resolve_all(&assembly.joints, locks)?;
     let mut doubts = doubts::of(&structure, &assembly.moved_bodies())?;
+    doubts.extend(assembly.notes_of_sums());
     let mut a_priori = assembly.a_priori();
     let transmission = match transmissions {
         Transmissions::Read => {

@@ -136,6 +136,28 @@ fn a_follower_has_no_coordinate() {
     assert_eq!(robot.joints[1].mimic.unwrap().ratio, 2.0);
 }
 
+/// Several `<mimic>` are a sum, which a joint that follows it follows too; a note says that other programs read it otherwise.
+#[test]
+fn several_mimics_of_a_joint_are_a_sum() {
+    let joint = |name: &str, of: &str, mimics: &str| {
+        format!(
+            "<link name='{name}'/><joint name='{name}_joint' type='revolute'><parent link='{of}'/><child link='{name}'/>\
+             <axis xyz='0 1 0'/>{mimics}</joint>"
+        )
+    };
+    let arms = joint("a", "base", "") + &joint("b", "a", "");
+    let sum =
+        "<mimic joint='a_joint' multiplier='-1' offset='0.2'/><mimic joint='b_joint' multiplier='-2' offset='0.1'/>";
+    let tip = joint("c", "b", sum) + &joint("d", "c", "<mimic joint='c_joint' multiplier='0.5'/>");
+    let robot = read(&format!("<robot name='r'><link name='base'/>{arms}{tip}</robot>")).unwrap();
+    assert_eq!((robot.coordinate_count(), robot.link_count()), (2, 4));
+    let [c, d] = [2, 3].map(|j: usize| (robot.joints[j].mimic.unwrap(), robot.joints[j].also_follows[0]));
+    assert_eq!((c.0.of, c.0.ratio, c.1.of, c.1.ratio), (0, -1.0, 1, -2.0));
+    assert!((c.0.offset - 0.3).abs() < 1e-15 && (d.0.offset - 0.15).abs() < 1e-15);
+    assert_eq!((d.0.ratio, d.1.ratio), (-0.5, -1.0));
+    assert!(robot.doubts.iter().any(|doubt| doubt.what.contains("sum of several others")), "{:?}", robot.doubts);
+}
+
 #[test]
 fn old_transmissions_have_their_reduction_elsewhere() {
     let actuator = "<actuator name=\"motor\"><mechanicalReduction>-50</mechanicalReduction></actuator>";

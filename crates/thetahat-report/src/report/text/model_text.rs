@@ -161,7 +161,11 @@ fn follows(joint: &JointSummary) -> Option<String> {
         0.0 => String::new(),
         offset => format!(" + {} {}", coordinate(offset, joint.kind), unit(joint.kind)),
     };
-    Some(format!("{} q{}{offset}", given(mimic.ratio), mimic.joint))
+    let sign = |ratio: f64| if ratio < 0.0 { "-" } else { "+" };
+    let others = joint.also_follows.iter();
+    let others: String =
+        others.map(|of| format!(" {} {} q{}", sign(of.ratio), given(of.ratio.abs()), of.joint)).collect();
+    Some(format!("{} q{}{others}{offset}", given(mimic.ratio), mimic.joint))
 }
 
 /// The ratios, or the matrix for coupled motors, and the offsets; none if motors and joints are identical.

@@ -1,4 +1,4 @@
-use thetahat_model::robot::{Joint, JointKind};
+use thetahat_model::robot::{Joint, JointKind, Share};
 use thetahat_report::results::Limited;
 
 /// The limits of a joint, SI: rad or m, N m or N, W.
@@ -27,15 +27,19 @@ pub(in crate::design) struct JointLimits {
 }
 
 impl JointLimits {
-    /// Narrows the range of positions and the velocity to those of a joint that follows the coordinate of joint `leader`.
+    /// Narrows the range of positions and the velocity to those of a joint that follows the coordinate of joint `leader`. Of a joint that
+    /// follows several, each has an equal part of the range and of the velocity, so that the sum keeps within them.
     pub(in crate::design) fn hold_follower(&mut self, follower: &Joint, leader: usize) {
-        let Some(mimic) = follower.mimic.filter(|mimic| mimic.of == leader && mimic.ratio != 0.0) else { return };
-        let ends = [follower.limits.lower, follower.limits.upper].map(|end| Some((end? - mimic.offset) / mimic.ratio));
-        let [lower, upper] = if mimic.ratio > 0.0 { ends } else { [ends[1], ends[0]] };
+        let Some(mimic) = follower.mimic else { return };
+        let share = follower.follows().find(|share| share.of == leader && share.ratio != 0.0);
+        let Some(Share { ratio, .. }) = share else { return };
+        let ratio = ratio * follower.follows().count() as f64;
+        let ends = [follower.limits.lower, follower.limits.upper].map(|end| Some((end? - mimic.offset) / ratio));
+        let [lower, upper] = if ratio > 0.0 { ends } else { [ends[1], ends[0]] };
         self.lower = lower.map_or(self.lower, |lower| self.lower.max(lower));
         self.upper = upper.map_or(self.upper, |upper| self.upper.min(upper));
         if let Some(velocity) = follower.limits.velocity.filter(|velocity| *velocity > 0.0) {
-            self.velocity = self.velocity.min(velocity / mimic.ratio.abs());
+            self.velocity = self.velocity.min(velocity / ratio.abs());
         }
     }
 

@@ -10,7 +10,7 @@ use super::{
 use thetahat_data::recording::{Side, TimeSummary};
 
 /// Largest part of the rate by which a stated rate may differ from that of the times.
-const RATE_TOLERANCE: f64 = 0.01;
+pub(super) const RATE_TOLERANCE: f64 = 0.01;
 
 /// The clock of a recording: the times that were named, or the likeliest of its files, or a stated rate.
 pub(super) fn clock(
@@ -21,12 +21,14 @@ pub(super) fn clock(
     let sources: Vec<Source<'_>> = group.files().map(|file| offers[file].source).collect();
     let times = match &request.time {
         Some(named) => Some(named_time(named, &sources)?),
-        None => sources.iter().find_map(|s| s.table.and_then(|t| t.times.first()).map(|time| (*s, time))),
+        None => sources.iter().find_map(|source| Some((*source, source.time()?))),
     };
-    match (request.sample_rate_hz, times) {
-        (None, Some((source, time))) => Ok(recorded(&source, time)),
-        (Some(rate), times) => stated(rate, times),
-        (None, None) => {
+    let of_driver = request.driver.as_ref().and_then(|driver| driver.rate_hz);
+    match (request.sample_rate_hz, times, of_driver) {
+        (None, Some((source, time)), _) => Ok(recorded(&source, time)),
+        (Some(rate), times, _) => stated(rate, times),
+        (None, None, Some(rate_hz)) => Ok(ProposedClock { rate_hz, time: None }),
+        (None, None, None) => {
             let first = &sources[0];
             Err(ProposalError::NoTime { file: first.file.to_owned(), columns: first.names() })
         }
@@ -90,6 +92,8 @@ fn recorded(source: &Source<'_>, time: &TimeSummary) -> ProposedClock {
             channels_in_rows: false,
             comment,
             gain: None,
+            factor: None,
+            contradiction: None,
             left_out: false,
         }),
     }

@@ -1,6 +1,5 @@
 use super::{
     super::column_names::{self, Signal},
-    joint_names::columns_of,
     source::{SelectedColumn, Source, channels},
 };
 use thetahat_data::recording::ColumnSummary;
@@ -24,14 +23,15 @@ pub(super) fn by_name<'a>(
     if found.is_empty() && of_file(source) == Some(signal) {
         found = silent(source);
     }
-    in_order(robot, found)
+    in_order(source, robot, found)
 }
 
 /// Whether the name of a column says that it holds a signal, or where that says nothing, the name of its file.
 pub(super) fn says(source: &Source<'_>, column: &str, signal: Signal) -> bool {
-    match column_names::is_silent(column) {
-        true => of_file(source) == Some(signal),
-        false => source.reading(column).is_some_and(|reading| reading.signal == signal),
+    match (source.by_driver(column), column_names::is_silent(column)) {
+        (Some(reading), _) => reading.signal == signal,
+        (None, true) => of_file(source) == Some(signal),
+        (None, false) => source.reading(column).is_some_and(|reading| reading.signal == signal),
     }
 }
 
@@ -49,14 +49,22 @@ fn desired<'a>(source: &Source<'a>) -> Vec<Numbered<'a>> {
 
 /// The columns whose names say nothing and that are no times.
 pub(super) fn silent<'a>(source: &Source<'a>) -> Vec<Numbered<'a>> {
-    let silent = source.columns().filter(|c| column_names::is_silent(&c.name) && !source.is_time(&c.name));
+    let is_silent = |c: &&ColumnSummary| column_names::is_silent(&c.name) && source.by_driver(&c.name).is_none();
+    let silent = source.columns().filter(is_silent).filter(|c| !source.is_time(&c.name));
     silent.map(|c| (c, column_names::number(&c.name))).collect()
 }
 
-fn in_order<'a>(robot: &Robot, mut found: Vec<Numbered<'a>>) -> Result<Vec<SelectedColumn<'a>>, String> {
+fn in_order<'a>(
+    source: &Source<'a>,
+    robot: &Robot,
+    mut found: Vec<Numbered<'a>>,
+) -> Result<Vec<SelectedColumn<'a>>, String> {
     let joints = robot.coordinate_count();
-    if let Some(ordered) = in_order_of_joints(robot, &found) {
+    if let Some(ordered) = in_order_of_joints(source, robot, &found) {
         return Ok(ordered.into_iter().map(SelectedColumn::of).collect());
+    }
+    if let Some(lacking) = source.joint_unknown_to_driver(robot, found.iter().map(|(column, _)| *column)) {
+        return Err(format!("the driver has no column of joint `{lacking}`"));
     }
     let chosen = |columns: &[&'a ColumnSummary]| columns.iter().map(|c| SelectedColumn::of(c)).collect::<Vec<_>>();
     let all = chosen(&found.iter().map(|(c, _)| *c).collect::<Vec<_>>());
@@ -85,8 +93,12 @@ fn looking_like_it(columns: &[SelectedColumn<'_>]) -> String {
 }
 
 /// The columns by the names of the joints, where each joint has one; columns of other joints are left out.
-fn in_order_of_joints<'a>(robot: &Robot, found: &[Numbered<'a>]) -> Option<Vec<&'a ColumnSummary>> {
+fn in_order_of_joints<'a>(
+    source: &Source<'a>,
+    robot: &Robot,
+    found: &[Numbered<'a>],
+) -> Option<Vec<&'a ColumnSummary>> {
     let names: Vec<&str> = robot.coordinates().map(|joint| joint.name.as_str()).collect();
     let columns: Vec<&ColumnSummary> = found.iter().map(|(column, _)| *column).collect();
-    columns_of(&names, &columns).into_iter().collect()
+    source.columns_of(&names, &columns).into_iter().collect()
 }

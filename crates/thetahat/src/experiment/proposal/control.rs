@@ -1,7 +1,10 @@
 //! The controller of a log without torques: CLOE fits the positions that it gives.
 
 use super::{request::ProposalRequest, source::Source};
-use crate::{experiment::column_names, preparation::describes_links};
+use crate::{
+    experiment::{column_names, driver::DriverController},
+    preparation::describes_links,
+};
 use thetahat_model::robot::Robot;
 
 /// Names of columns that hold the gains of a controller.
@@ -21,16 +24,20 @@ pub struct ProposedControl {
     pub trusts_links: bool,
 }
 
-/// The gains that were stated, or else those of columns that hold one value.
+/// The gains that were stated, or else those of columns that hold one value, or else the driver's.
 pub(super) fn control(request: &ProposalRequest, sources: &[Source<'_>], robot: &Robot) -> ProposedControl {
     let joints = robot.coordinate_count();
-    let stated_or = |stated: &[f64], names: &[&str]| match stated {
-        [] => sources.iter().find_map(|source| constant(source, names, joints)).unwrap_or_default(),
+    let stated_or = |stated: &[f64], names: &[&str], of_driver: fn(&DriverController) -> &Vec<f64>| match stated {
+        [] => {
+            let recorded = sources.iter().find_map(|source| constant(source, names, joints));
+            let controller = || request.driver.as_ref()?.controller.as_ref().map(|c| of_driver(c).clone());
+            recorded.or_else(controller).unwrap_or_default()
+        }
         stated => stated.to_vec(),
     };
     ProposedControl {
-        position_gain: stated_or(&request.position_gain, &POSITION_GAINS),
-        velocity_gain: stated_or(&request.velocity_gain, &VELOCITY_GAINS),
+        position_gain: stated_or(&request.position_gain, &POSITION_GAINS, |c| &c.position_gain),
+        velocity_gain: stated_or(&request.velocity_gain, &VELOCITY_GAINS, |c| &c.velocity_gain),
         desired_torques: sources
             .iter()
             .flat_map(Source::names)

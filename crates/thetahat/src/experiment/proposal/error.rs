@@ -114,6 +114,21 @@ pub enum ProposalError {
         /// Why.
         problem: String,
     },
+    /// No file has the columns of the driver.
+    #[error(
+        "{}: it has none of the columns of the driver {driver} ({}); the columns are: {}",
+        file.display(), expected.join(" "), columns.join(" ")
+    )]
+    NotOfDriver {
+        /// The first recording.
+        file: PathBuf,
+        /// The driver.
+        driver: String,
+        /// The names of its columns.
+        expected: Vec<String>,
+        /// The columns of the recording.
+        columns: Vec<String>,
+    },
     /// There is no time column and no rate.
     #[error("{}: no time column is found and no sample rate is stated; the columns are: {}",
         file.display(), columns.join(" "))]

@@ -2,8 +2,8 @@
 
 use thetahat_data::recording::{Dimension, Side, Unit};
 
-/// For torques in the unit of a drive: what is to be filled in.
-pub(super) fn gain_of_torque(unit: Unit, counts: Option<&str>, side: Side) -> Option<String> {
+/// For torques in the unit of a drive, or in steps of so many units: what is to be filled in.
+pub(super) fn gain_of_torque(unit: Unit, counts: Option<&str>, side: Side, scale: Option<f64>) -> Option<String> {
     let per = match unit.dimension() {
         Dimension::Torque | Dimension::Force => return None,
         Dimension::Current => "per A",
@@ -35,8 +35,11 @@ pub(super) fn gain_of_torque(unit: Unit, counts: Option<&str>, side: Side) -> Op
         Side::Motor => "; or leave gain out, and give the robot's transmission drive_gain",
     };
     let written = counts.unwrap_or_else(|| unit.symbol());
+    let steps = scale.map(|scale| format!("steps of {scale} ")).unwrap_or_default();
+    let times = scale.map(|scale| format!("{scale} times ")).unwrap_or_default();
     Some(format!(
-        "The torque is written in {written}, which is no torque. Fill in gain = [...], a number for each column: {what}{is}{or}."
+        "The torque is written in {steps}{written}, which is no torque. Fill in gain = [...], a number for each column: \
+         {times}{what}{is}{or}."
     ))
 }
 

@@ -4,7 +4,6 @@ use super::{
     super::column_names::Signal,
     columns,
     error::ProposalError,
-    joint_names::columns_of,
     request::{ProposalRequest, is_named},
     source::{SelectedColumn, Source, channels},
     units::Units,
@@ -157,7 +156,7 @@ impl<'a> Search<'_, 'a> {
             false => asked.iter().any(|argument| is_named(argument, &column.name)),
         };
         let of_file = |source: &Source<'a>| {
-            columns_of(&names, &source.columns().filter(|column| is_of(source, column)).collect::<Vec<_>>())
+            source.columns_of(&names, &source.columns().filter(|column| is_of(source, column)).collect::<Vec<_>>())
         };
         self.sources.iter().map(of_file).filter(|of| of.iter().any(Option::is_some)).collect()
     }
@@ -190,9 +189,9 @@ impl<'a> Search<'_, 'a> {
         let (places, columns): (Vec<usize>, Vec<SelectedColumn<'a>>) = columns.into_iter().unzip();
         let joints = places.iter().filter_map(|&j| self.joints().nth(j)).collect();
         let measured = Units { request: self.request, robot: self.robot, source, joints }.of_position(&columns).ok()?;
-        let unit = places.iter().zip(&measured.units).find(|(place, _)| **place == coordinate)?.1;
+        let channel = places.iter().position(|place| *place == coordinate)?;
         match (measured.side, &measured.gain) {
-            (Side::Joint, None) => Some(unit.to_si()),
+            (Side::Joint, None) => Some(measured.to_si(channel)),
             (Side::Motor, _) | (Side::Joint, Some(_)) => None,
         }
     }

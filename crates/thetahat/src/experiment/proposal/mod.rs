@@ -5,6 +5,8 @@
 //! | `request`, `error` | what a proposal is made for, and why there is none |
 //! | `files` | the files that a proposal is made for, and how the experiment names them |
 //! | `named` | the columns that the user named: `NAME`, `FILE` or `FILE:NAME` |
+//! | `of_driver` | what is said of the driver that wrote the log |
+//! | `driver_units` | units and gains as the driver has them, and what in the log contradicts it |
 //! | `source` | a file with the table of it that is used |
 //! | `joint_names`, `joints` | which column is of which joint; joints that the log lacks are locked |
 //! | `columns` | which columns of a file hold a signal, by their names or the file's |
@@ -22,6 +24,7 @@
 mod clock;
 mod columns;
 mod control;
+mod driver_units;
 mod error;
 mod files;
 mod filter;
@@ -30,6 +33,7 @@ mod grouping;
 mod joint_names;
 mod joints;
 mod named;
+mod of_driver;
 mod offer;
 mod recordings;
 mod request;
@@ -45,7 +49,9 @@ pub use files::ProposalFiles;
 pub use joints::ProposedLock;
 pub use recordings::propose;
 pub use request::ProposalRequest;
-pub use text::{Proposal, ProposedChannels, ProposedClock, ProposedRecording, ProposedSignal};
+pub use text::{Proposal, ProposedChannels, ProposedClock, ProposedDriver, ProposedRecording, ProposedSignal};
 
+#[cfg(test)]
+mod driver_tests;
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,10 @@
 use std::path::PathBuf;
 
 use super::{
-    super::column_names::{self, Signal},
+    super::{
+        column_names::{self, Signal},
+        driver::DriverColumns,
+    },
     columns,
     error::ProposalError,
     joints::JointsOfLog,
@@ -27,16 +30,45 @@ impl Offer<'_> {
     }
 }
 
+/// The table of a file that is used, and its columns as the driver has them.
+pub(super) struct ChosenTable<'a> {
+    table: Option<&'a TableSummary>,
+    columns: DriverColumns,
+}
+
+/// The table that is used of each file. `joints` are the names of the robot's joints.
+pub(super) fn tables<'a>(
+    request: &ProposalRequest,
+    contents: &'a [Contents],
+    joints: &[String],
+) -> Vec<ChosenTable<'a>> {
+    let of_driver = |table: &TableSummary| {
+        let names: Vec<&str> = table.columns.iter().map(|c| c.name.as_str()).collect();
+        request.driver.as_ref().map(|driver| DriverColumns::of(driver, &names, joints)).unwrap_or_default()
+    };
+    let chosen = |contents: &'a Contents| {
+        let best = contents.tables.iter().rev().max_by_key(|table| of_driver(table).len());
+        let table = best.filter(|best| of_driver(best).len() > 0).or_else(|| chosen_table(request, contents));
+        ChosenTable { table, columns: table.map(of_driver).unwrap_or_default() }
+    };
+    contents.iter().map(chosen).collect()
+}
+
 /// The files, each with the table of it that is used.
-pub(super) fn sources<'a>(request: &'a ProposalRequest, contents: &'a [Contents]) -> Vec<Source<'a>> {
+pub(super) fn sources<'a>(
+    request: &'a ProposalRequest,
+    contents: &'a [Contents],
+    tables: &'a [ChosenTable<'a>],
+) -> Vec<Source<'a>> {
     let folders = contents.windows(2).any(|pair| pair[0].file.parent() != pair[1].file.parent());
-    let source = |(contents, file): (&'a Contents, &'a PathBuf)| Source {
+    let source = |((contents, file), chosen): ((&'a Contents, &'a PathBuf), &'a ChosenTable<'a>)| Source {
         contents,
         file: file.as_path(),
-        table: chosen_table(request, contents),
+        table: chosen.table,
         in_several_folders: folders,
+        driver: request.driver.as_ref().map(|driver| (driver, &chosen.columns)),
     };
-    contents.iter().zip(&request.recording_files).map(source).collect()
+    contents.iter().zip(&request.recording_files).zip(tables).map(source).collect()
 }
 
 /// What each of the files offers.

@@ -7,7 +7,8 @@ use super::{
     error::ProposalError,
     grouping::{Group, groups},
     joints::JointsOfLog,
-    offer::{Offer, offers, sources},
+    of_driver::{self, joint_names},
+    offer::{Offer, offers, sources, tables},
     request::ProposalRequest,
     source::{SelectedColumn, Source},
     text::{Proposal, ProposedChannels, ProposedRecording, ProposedSignal},
@@ -33,7 +34,9 @@ pub fn propose(
     description: &RobotSource,
     contents: &[Contents],
 ) -> Result<Proposal, ProposalError> {
-    let sources = sources(request, contents);
+    let tables = tables(request, contents, &joint_names(request, description)?);
+    let sources = sources(request, contents, &tables);
+    of_driver::require_columns(request, &sources)?;
     let joints = JointsOfLog::find(request, description, &sources)?;
     let robot = &joints.robot;
     let offers = offers(request, &joints, &sources)?;
@@ -50,6 +53,7 @@ pub fn propose(
         unused: unused(&sources, &recordings),
         unused_files: unused_files(&sources, &recordings),
         control: groups.iter().any(|g| g.torque.is_none()).then(|| control(request, &sources, robot)),
+        driver: of_driver::proposed(request, &sources, &recordings),
         recordings,
         signal: ProposedSignal::usual(rate_hz).with_window(request.window_s),
     })
@@ -101,11 +105,11 @@ impl<'a> Describer<'_, 'a> {
         let p = &self.offers[self.group.position];
         let position = p.position.as_deref().unwrap_or_default();
         let unit = self.units(p).of_position(position)?;
-        let mut channels = vec![("position", self.described(&p.source, position, &unit))];
+        let mut channels = vec![("position", self.described(Signal::Position, p, position, &unit))];
         if let Some(t) = self.group.torque.map(|torque| &self.offers[torque]) {
             let torque = t.torque.as_deref().unwrap_or_default();
             let of_torque = self.units(t).of_torque(torque, &unit)?;
-            channels.push(("torque", self.described(&t.source, torque, &of_torque)));
+            channels.push(("torque", self.described(Signal::Torque, t, torque, &of_torque)));
         }
         if let Some((offer, reference)) = self.other(|o| o.reference.as_deref()) {
             channels.push(("reference", self.reference_of(offer, reference, position, &unit)));
@@ -130,8 +134,15 @@ impl<'a> Describer<'_, 'a> {
         self.group.files().map(|file| &self.offers[file]).find_map(|offer| Some((offer, of(offer)?)))
     }
 
-    fn described(&self, source: &Source<'_>, columns: &[SelectedColumn<'_>], measured: &Measured) -> ProposedChannels {
+    fn described(
+        &self,
+        signal: Signal,
+        offer: &Offer<'a>,
+        columns: &[SelectedColumn<'_>],
+        measured: &Measured,
+    ) -> ProposedChannels {
         let [least, most] = range(columns);
+        let source = &offer.source;
         ProposedChannels {
             file: source.file.to_owned(),
             topic: source.topic().map(str::to_owned),
@@ -142,6 +153,8 @@ impl<'a> Describer<'_, 'a> {
             channels_in_rows: columns.iter().any(|c| c.in_rows),
             comment: format!("From {} to {}; unit {}.", short(least), short(most), measured.why),
             gain: measured.gain.clone(),
+            factor: measured.factor.clone(),
+            contradiction: self.units(offer).contradiction(signal, columns, measured),
             left_out: false,
         }
     }
@@ -155,9 +168,9 @@ impl<'a> Describer<'_, 'a> {
         position: &Measured,
     ) -> (ProposedChannels, Option<Measured>) {
         match self.units(offer).of_other(signal, columns, position) {
-            Ok(measured) => (self.described(&offer.source, columns, &measured), Some(measured)),
+            Ok(measured) => (self.described(signal, offer, columns, &measured), Some(measured)),
             Err(Misfit { column, problem, .. }) => {
-                let channels = self.described(&offer.source, columns, position);
+                let channels = self.described(signal, offer, columns, position);
                 let why = format!("Left out: column {column:?} is {problem}.");
                 (ProposedChannels { comment: visible(&why).into_owned(), left_out: true, ..channels }, None)
             }
@@ -186,8 +199,9 @@ impl<'a> Describer<'_, 'a> {
 
 /// From the least to the largest value, in SI units.
 fn travel(columns: &[SelectedColumn<'_>], measured: &Measured) -> f64 {
-    let channels = columns.iter().flat_map(|c| c.channels).zip(&measured.units);
-    let ends = channels.flat_map(|(channel, unit)| [channel.min, channel.max].map(|end| end.map(|v| v * unit.to_si())));
+    let channels = columns.iter().flat_map(|c| c.channels).enumerate();
+    let ends = channels.flat_map(|(number, channel)| [channel.min, channel.max].map(|end| (number, end)));
+    let ends = ends.map(|(number, end)| end.map(|end| end * measured.to_si(number)));
     let (least, most) =
         ends.flatten().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), v| (v.min(least), v.max(most)));
     most - least

@@ -1,5 +1,6 @@
 use std::{collections::BTreeMap, path::PathBuf};
 
+use crate::experiment::driver::Driver;
 use thetahat_data::recording::{Side, Unit};
 
 /// The files of a proposal, and what the user has stated.
@@ -9,6 +10,8 @@ pub struct ProposalRequest {
     pub robot_file: PathBuf,
     /// The recordings, as the experiment file is to name them.
     pub recording_files: Vec<PathBuf>,
+    /// The driver that wrote the recordings.
+    pub driver: Option<Driver>,
     /// Columns of the positions, as `NAME`, `FILE` (all its columns) or `FILE:NAME`; if empty, they are found by their names.
     pub position: Vec<String>,
     /// Columns of the torques, likewise.

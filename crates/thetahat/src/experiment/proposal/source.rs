@@ -1,7 +1,14 @@
 use std::path::Path;
 
-use super::super::column_names::{self, Reading};
-use thetahat_data::recording::{ChannelSummary, ColumnSummary, Contents, TableSummary};
+use super::{
+    super::{
+        column_names::{self, Reading, Signal},
+        driver::{Driver, DriverColumns},
+    },
+    joint_names,
+};
+use thetahat_data::recording::{ChannelSummary, ColumnSummary, Contents, TableSummary, TimeSummary};
+use thetahat_model::robot::Robot;
 
 /// A column, or one channel of it, as the experiment is to name it.
 #[derive(Debug, Clone)]
@@ -43,6 +50,8 @@ pub(super) struct Source<'a> {
     pub(super) table: Option<&'a TableSummary>,
     /// Whether the files are in several folders, whose names may say what they hold.
     pub(super) in_several_folders: bool,
+    /// The driver that wrote it, and its columns.
+    pub(super) driver: Option<(&'a Driver, &'a DriverColumns)>,
 }
 
 impl<'a> Source<'a> {
@@ -55,9 +64,69 @@ impl<'a> Source<'a> {
         self.columns().map(|c| c.name.clone()).collect()
     }
 
-    /// What the name of one of its columns says, among the others.
+    /// What one of its columns holds: as the driver has it, or as its name says among the others. Of a signal whose columns the driver
+    /// has, no other is taken.
     pub(super) fn reading(&self, column: &str) -> Option<Reading> {
-        column_names::read_among(column, self.columns().map(|other| other.name.as_str()))
+        self.by_driver(column).cloned().or_else(|| {
+            let reading = column_names::read_among(column, self.columns().map(|other| other.name.as_str()));
+            reading.filter(|reading| !self.driver_has(reading.signal))
+        })
+    }
+
+    /// What a column holds, or one channel of it, where it is the driver's.
+    pub(super) fn by_driver(&self, column: &str) -> Option<&'a Reading> {
+        let (_, columns) = self.driver?;
+        let matrix = || column.strip_suffix(']')?.rsplit_once('[').map(|(matrix, _)| matrix);
+        columns.reading(column).or_else(|| columns.reading(matrix()?))
+    }
+
+    /// Whether it has the driver's columns of a signal.
+    pub(super) fn driver_has(&self, signal: Signal) -> bool {
+        self.driver.is_some_and(|(_, columns)| columns.has(signal))
+    }
+
+    /// The column of each joint, of one channel: by the name of the joint, or else by its number, where the driver has the names of
+    /// numbered joints.
+    pub(super) fn columns_of(&self, joints: &[&str], columns: &[&'a ColumnSummary]) -> Vec<Option<&'a ColumnSummary>> {
+        let by_name = joint_names::columns_of(joints, columns);
+        if by_name.iter().any(Option::is_some) {
+            return by_name;
+        }
+        let places: Vec<Option<usize>> = joints.iter().map(|joint| self.place_in_driver(joint)).collect();
+        let is_one = |place: usize| places.iter().filter(|other| **other == Some(place)).count() == 1;
+        let column = |place: usize| columns.iter().find(|c| self.place(c) == Some(place)).copied();
+        places.iter().map(|place| place.filter(|place| is_one(*place)).and_then(column)).collect()
+    }
+
+    /// The first joint that the driver does not have, where its columns are numbered by its joints and it has others of the robot.
+    pub(super) fn joint_unknown_to_driver<'r>(
+        &self,
+        robot: &'r Robot,
+        mut columns: impl Iterator<Item = &'a ColumnSummary>,
+    ) -> Option<&'r str> {
+        let joints = || robot.coordinates().map(|joint| joint.name.as_str());
+        let is_numbered = columns.any(|column| self.place(column).is_some());
+        let knows_some = joints().any(|joint| self.place_in_driver(joint).is_some());
+        joints().find(|joint| is_numbered && knows_some && self.place_in_driver(joint).is_none())
+    }
+
+    fn place_in_driver(&self, joint: &str) -> Option<usize> {
+        self.driver.and_then(|(driver, _)| driver.place_of(joint))
+    }
+
+    /// The place of a numbered column among the joints of the driver.
+    pub(super) fn place(&self, column: &ColumnSummary) -> Option<usize> {
+        let ((driver, columns), reading) = (self.driver?, self.by_driver(&column.name)?);
+        let least = columns.least_number(reading.signal)?;
+        let first = driver.first_number.or_else(|| (least <= 1).then_some(least))?;
+        reading.number?.checked_sub(first).filter(|_| column.channels == 1)
+    }
+
+    /// The likeliest time: the driver's, or else the first that looks like one.
+    pub(super) fn time(&self) -> Option<&'a TimeSummary> {
+        let times = &self.table?.times;
+        let of_driver = |time: &&TimeSummary| self.by_driver(&time.column).is_some_and(|r| r.signal == Signal::Time);
+        times.iter().find(of_driver).or_else(|| times.first())
     }
 
     pub(super) fn samples(&self) -> usize {
@@ -87,7 +156,7 @@ impl<'a> Source<'a> {
 
     /// Whether a column is its time, the likeliest of several.
     pub(super) fn is_time(&self, column: &str) -> bool {
-        self.table.and_then(|t| t.times.first()).is_some_and(|t| t.column == column)
+        self.time().is_some_and(|time| time.column == column)
     }
 
     /// The topic, where a bag holds several.

@@ -31,10 +31,23 @@ pub struct Proposal {
     pub unused_files: Vec<PathBuf>,
     /// The controller, where the log has no torques.
     pub control: Option<ProposedControl>,
+    /// What is known of the driver that wrote the log.
+    pub driver: Option<ProposedDriver>,
     /// The recordings.
     pub recordings: Vec<ProposedRecording>,
     /// Filters, decimation and window.
     pub signal: ProposedSignal,
+}
+
+/// What is known of the driver that wrote the log.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProposedDriver {
+    /// The driver, and what it means by torque.
+    pub head: String,
+    /// What the user should know of it.
+    pub notes: Vec<String>,
+    /// What in the log contradicts it.
+    pub contradictions: Vec<String>,
 }
 
 /// A recording with its signals.
@@ -78,6 +91,10 @@ pub struct ProposedChannels {
     pub comment: String,
     /// What their gain is, for the user to fill in, where the unit alone gives no torque or position.
     pub gain: Option<String>,
+    /// Their gain where it is known.
+    pub factor: Option<OneOrEach<f64>>,
+    /// What in the log contradicts the driver.
+    pub contradiction: Option<String>,
     /// Whether they stand in a comment, for the user to put right.
     pub left_out: bool,
 }
@@ -168,6 +185,7 @@ impl Proposal {
             quoted(&self.title),
             quoted(&self.robot_file.display().to_string()),
         );
+        text += &self.driver_text();
         text += &self.locks_text();
         text += &self.unused_text();
         let head = if self.recordings.len() == 1 { "[recording]" } else { "[[recording]]" };
@@ -198,6 +216,21 @@ impl Proposal {
         sentences.dedup();
         sentences.extend(self.control.as_ref().and_then(ProposedControl::to_fill_in));
         sentences
+    }
+
+    /// What is known of the driver that wrote the log, and what in it contradicts that, a sentence each.
+    #[must_use]
+    pub fn of_driver(&self) -> Vec<String> {
+        let Some(driver) = &self.driver else { return Vec::new() };
+        let contradictions =
+            driver.contradictions.iter().map(|what| format!("The log contradicts the driver: {what}."));
+        let lines = [driver.head.clone()].into_iter().chain(driver.notes.iter().cloned()).chain(contradictions);
+        lines.map(|line| visible(&line).into_owned()).collect()
+    }
+
+    fn driver_text(&self) -> String {
+        let lines: String = self.of_driver().iter().map(|line| format!("# {line}\n")).collect();
+        if lines.is_empty() { lines } else { format!("\n{lines}") }
     }
 
     fn locks_text(&self) -> String {
@@ -269,7 +302,11 @@ impl ProposedChannels {
             Side::Motor => ", side = \"motor\"",
             Side::Joint => "",
         };
-        let gain = if self.gain.is_some() { ", gain = []" } else { "" };
+        let gain = match (&self.gain, &self.factor) {
+            (Some(_), _) => ", gain = []".to_owned(),
+            (None, Some(factor)) => format!(", gain = {}", numbers(factor)),
+            (None, None) => String::new(),
+        };
         let to_fill = self.gain.iter().map(|gain| format!("# {}\n", visible(gain))).collect::<String>();
         let cut = if self.drop_cut_line { ", drop_cut_line = true" } else { "" };
         let rows = if self.channels_in_rows { ", channels_in_rows = true" } else { "" };
@@ -289,6 +326,14 @@ fn unit_text(unit: &OneOrEach<Unit>) -> String {
     match unit {
         OneOrEach::One(_) => symbols.concat(),
         OneOrEach::Each(_) => format!("[{}]", symbols.join(", ")),
+    }
+}
+
+fn numbers(factor: &OneOrEach<f64>) -> String {
+    let numbers: Vec<String> = factor.given().iter().map(f64::to_string).collect();
+    match factor {
+        OneOrEach::One(_) => numbers.concat(),
+        OneOrEach::Each(_) => format!("[{}]", numbers.join(", ")),
     }
 }
 

@@ -11,7 +11,7 @@ use thetahat_ground::{linear_algebra::Matrix, one_or_each::OneOrEach};
 use thetahat_model::robot::{Joint, JointKind, Robot};
 
 /// Joint angles beyond this, rad, are no joint angles in rad: more than two turns.
-const LARGEST_ANGLE: f64 = 4.0 * std::f64::consts::PI;
+pub(super) const LARGEST_ANGLE: f64 = 4.0 * std::f64::consts::PI;
 /// The same of joints that turn without end: in degrees it would be little motion, in rad ten turns.
 const LARGEST_OF_CONTINUOUS: f64 = 20.0 * std::f64::consts::PI;
 
@@ -31,11 +31,23 @@ pub(super) struct Measured {
     pub(super) why: String,
     /// What the gain is that the user must give, where the unit alone gives no torque or position.
     pub(super) gain: Option<String>,
+    /// The gain where it is known: one for all channels, or one for each.
+    pub(super) factor: Option<OneOrEach<f64>>,
 }
 
 impl Measured {
     fn new(units: Vec<Unit>, side: Side, why: &str) -> Self {
-        Self { units, side, why: why.to_owned(), gain: None }
+        Self { units, side, why: why.to_owned(), gain: None, factor: None }
+    }
+
+    /// The factor from the values of a channel to rad or m, N m or N.
+    pub(super) fn to_si(&self, channel: usize) -> f64 {
+        let factor = match &self.factor {
+            None => 1.0,
+            Some(OneOrEach::One(factor)) => *factor,
+            Some(OneOrEach::Each(factors)) => factors.get(channel).copied().unwrap_or(1.0),
+        };
+        factor * self.units.get(channel).map_or(1.0, |unit| unit.to_si())
     }
 
     /// The unit of all channels, or that of each where they differ.
@@ -58,6 +70,9 @@ pub(super) struct Units<'u, 'a> {
 
 impl Units<'_, '_> {
     pub(super) fn of_position(&self, columns: &[SelectedColumn<'_>]) -> Result<Measured, ProposalError> {
+        if let (None, Some(of_driver)) = (self.request.position_unit, self.of_driver(Signal::Position, columns)) {
+            return Ok(of_driver);
+        }
         let named = self.named(Signal::Position, columns);
         match (self.request.position_unit, named) {
             (Some(unit), named) => Ok(self.on_a_side(self.stated(unit, named), columns, "as stated")),
@@ -78,6 +93,9 @@ impl Units<'_, '_> {
         columns: &[SelectedColumn<'_>],
         position: &Measured,
     ) -> Result<Measured, ProposalError> {
+        if let (None, Some(of_driver)) = (self.request.torque_unit, self.of_driver(Signal::Torque, columns)) {
+            return Ok(of_driver);
+        }
         let is_drive = self.has_drive_gain() && self.request.torque_unit.is_none() && !self.says_torque(columns);
         let is_of_motors = is_drive && self.request.side.is_none();
         let side = match (self.named_side(columns), position.side) {
@@ -109,6 +127,9 @@ impl Units<'_, '_> {
         columns: &[SelectedColumn<'_>],
         position: &Measured,
     ) -> Result<Measured, Misfit> {
+        if let Some(of_driver) = self.of_driver(signal, columns) {
+            return Ok(of_driver);
+        }
         let as_positions = || {
             position.units.iter().map(|unit| match signal {
                 Signal::Velocity => velocity_unit(*unit),
@@ -200,11 +221,13 @@ impl Units<'_, '_> {
                 let why = format!("{}; the robot's drive_gain is to turn it into torque", measured.why);
                 Measured { why, ..measured }
             }
-            Side::Motor | Side::Joint => Measured { gain: gain_of_torque(unit, counts, measured.side), ..measured },
+            Side::Motor | Side::Joint => {
+                Measured { gain: gain_of_torque(unit, counts, measured.side, None), ..measured }
+            }
         }
     }
 
-    fn has_drive_gain(&self) -> bool {
+    pub(super) fn has_drive_gain(&self) -> bool {
         self.robot.transmission.drive_gain().iter().any(|gain| *gain != 1.0)
     }
 

@@ -1,0 +1,46 @@
+use std::path::PathBuf;
+
+/// Why there is no driver.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DriverError {
+    /// No preset has the name.
+    #[error(
+        "there is no driver {name:?}; the drivers are {}; a file of your own is named with its ending, ./my_driver.toml",
+        known.join(", ")
+    )]
+    Unknown {
+        /// The name.
+        name: String,
+        /// The names of the presets.
+        known: Vec<&'static str>,
+    },
+    /// The file cannot be read.
+    #[error("{}: cannot be read: {reason}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// The file is no TOML, or has a key that a driver has not.
+    #[error("{}: {message}", path.display())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// The message of the parser, with the line.
+        message: String,
+    },
+    /// A value cannot be meant.
+    #[error("{}: {key}: expected {expected}, found {found}", path.display())]
+    Value {
+        /// The file.
+        path: PathBuf,
+        /// The key.
+        key: String,
+        /// What it must be.
+        expected: &'static str,
+        /// What it is.
+        found: String,
+    },
+}
