@@ -196,7 +196,7 @@ fn each_preset_reads_the_log_of_its_driver() {
             ),
             gain => assert!(text.contains(&format!("unit = \"N m\", gain = {gain} }}")), "{text}"),
         }
-        assert!(!format.reference.is_empty() == text.contains("\nreference = {"), "{text}");
+        assert_eq!(format.reference.is_empty(), !text.contains("\nreference = {"), "{text}");
         assert!(proposal.of_driver().iter().all(|line| !line.contains("contradicts")), "{:?}", proposal.of_driver());
         let text = filled_in(&text, &format);
         let recording =
