@@ -247,7 +247,15 @@ class Run:
     def p_values(self) -> Array:
         """Probabilities of t values at least as far from zero, if the parameter were zero; shape (parameters,)."""
         freedom = self.degrees_of_freedom
-        return np.array([p_value(t, freedom) for t in self.t_values.tolist()])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            values = self.estimates / self._deviations_of_intervals()
+        return np.array([p_value(t, freedom) for t in values.tolist()])
+
+    def _deviations_of_intervals(self) -> Array:
+        """Deviations by which the 95 % intervals follow from one t distribution: each parameter has its own degrees of freedom."""
+        half_widths = 0.5 * (self.intervals_95[:, 1] - self.intervals_95[:, 0])
+        deviations = half_widths / two_sided_quantile(0.95, self.degrees_of_freedom)
+        return np.where(np.isfinite(half_widths), deviations, self.standard_deviations)
 
     def conf_int(self, level: float = 0.95, *, alpha: float | None = None) -> Array:
         """Intervals that contain the true values with a probability.
@@ -264,7 +272,8 @@ class Run:
         ndarray (parameters, 2)
             Their ends, SI; those of the level 0.95 are :attr:`intervals_95`.
         """
-        half_width = two_sided_quantile(level_of(level, alpha), self.degrees_of_freedom) * self.standard_deviations
+        quantile = two_sided_quantile(level_of(level, alpha), self.degrees_of_freedom)
+        half_width = quantile * self._deviations_of_intervals()
         return np.column_stack([self.estimates - half_width, self.estimates + half_width])
 
     @property
