@@ -110,8 +110,10 @@ def test_peaks_of_the_torque_are_predicted(result):
     noise = np.random.default_rng(0).normal(0, 1e-6, motion.position.shape)
     log = th.Recording(sample_rate_hz=rate, position=motion.position + noise, torque=motion.torque)
     predicted = result.predict(log)
-    # The velocity of the reference jumps at 2 s, where the controller follows it closely: the error is 3.2 %.
+    # The velocity of the reference jumps at 2 s, and the torque by 90 N m within 3 ms: most of the 3.2 % lies there.
     assert relative(predicted, motion.torque) < 0.035
+    elsewhere = abs(np.arange(8 * rate) - 2 * rate) > 10
+    assert relative(predicted[elsewhere], motion.torque[elsewhere]) < 0.022
 
 
 def test_positions_alone_are_no_motion(result):

@@ -368,7 +368,7 @@ impl SmallestShown {
     pub fn in_words(&self) -> String {
         let (factor, unit) = shown_in(self.kind, &self.unit);
         let shown = |size: f64| format!("{} {unit}", significant(factor * size, 2));
-        let with_others = self.size_with_others.map_or_else(|| "any".to_owned(), shown);
+        let with_others = self.size_with_others.map_or_else(|| "any size".to_owned(), shown);
         format!("{}: {} alone, {with_others} with others", self.kind.with_subject(&self.subject), shown(self.size))
     }
 }
