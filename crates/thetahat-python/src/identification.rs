@@ -1,6 +1,6 @@
 //! Identification from recordings and settings, or from an experiment file.
 
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::Arc};
 
 use numpy::{IntoPyArray, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -13,7 +13,7 @@ use thetahat::{
 
 use crate::{
     arrays::{matrix_array, matrix_of},
-    interruptible,
+    interruptible::{self, Interpreter},
     python_error::PythonError,
     recording::{Recording, into_library},
     results::Results,
@@ -36,38 +36,41 @@ pub fn identify(
     let (settings, estimators) = settings;
     let settings: Settings = values::read(&settings)?;
     let (recordings, validation) = (into_library(recordings.0)?, into_library(recordings.1)?);
-    let estimators = estimators
-        .into_iter()
-        .map(|(name, function)| user_estimator(&name, function))
-        .collect::<Result<Vec<_>, PythonError>>()?;
     let robot = robot.clone();
     let (description, robot_files) = (robot.description(), robot.source()?.files());
-    let results = interruptible::run(py, progress, move |report_stage| {
-        report_stage("reading and filtering the recordings");
+    let results = interruptible::run(py, progress, move |interpreter| {
+        interpreter.report_stage("reading and filtering the recordings");
+        let estimators =
+            estimators.into_iter().map(|(name, function)| user_estimator(&name, function, interpreter.clone()));
         let identification = Identification::new(&robot.robot, recordings, settings)?.with_validation(validation)?;
         let identification = match threads {
             Some(threads) => identification.on_threads(threads),
             None => identification,
         };
-        let identification = estimators.into_iter().try_fold(identification, Identification::with_estimator)?;
-        Ok(identification.run_with_progress(report_stage)?)
+        let identification = estimators.into_iter().try_fold(identification, |identification, estimator| {
+            Ok::<_, PythonError>(identification.with_estimator(estimator?)?)
+        })?;
+        Ok(identification.run_with_progress(&mut |stage| interpreter.report_stage(stage))?)
     })?;
     let results = thetahat::Results { title, robot_description: description, robot_files, ..results };
     Ok(Results::new(results, None))
 }
 
 /// The user's own estimator: a function of arrays that returns parameters and their covariance.
-fn user_estimator(name: &str, function: Py<PyAny>) -> Result<UserEstimator, PythonError> {
-    let estimator = UserEstimator::new(name, move |rows| Ok(Python::attach(|py| call(py, &function, rows))?));
+fn user_estimator(name: &str, function: Py<PyAny>, interpreter: Interpreter) -> Result<UserEstimator, PythonError> {
+    let function = Arc::new(function);
+    let estimator = UserEstimator::new(name, move |rows| {
+        let (function, rows) = (function.clone(), rows.clone());
+        Ok(interpreter.call(move |py| call(py, &function, rows))?)
+    });
     estimator.map_err(|e| PythonError::new("SettingsError", e))
 }
 
-fn call(py: Python<'_>, function: &Py<PyAny>, rows: &UserRegression) -> PyResult<UserEstimate> {
-    let z = rows.z.clone().map(|z| matrix_array(py, z)).transpose()?;
-    let (x, y) = (matrix_array(py, rows.x.clone())?, rows.y.clone().into_pyarray(py));
-    let share = rows.share.clone().into_pyarray(py);
-    let arguments =
-        (x, y, z, rows.joint.clone(), rows.recording.clone(), share, rows.names.clone(), rows.units.clone());
+fn call(py: Python<'_>, function: &Py<PyAny>, rows: UserRegression) -> PyResult<UserEstimate> {
+    let z = rows.z.map(|z| matrix_array(py, z)).transpose()?;
+    let (x, y) = (matrix_array(py, rows.x)?, rows.y.into_pyarray(py));
+    let share = rows.share.into_pyarray(py);
+    let arguments = (x, y, z, rows.joint, rows.recording, share, rows.names, rows.units);
     let found = function.bind(py).call1((arguments,))?;
     let (theta, covariance): (PyReadonlyArray1<'_, f64>, Option<PyReadonlyArray2<'_, f64>>) = found.extract()?;
     Ok(UserEstimate { theta: vector_of(&theta), covariance: covariance.map(|c| matrix_of(c.as_array())) })
@@ -82,12 +85,12 @@ pub fn run(
     robot: Option<PathBuf>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(Results, Robot)> {
-    interruptible::run(py, progress, move |report_stage| {
+    interruptible::run(py, progress, move |interpreter| {
         let experiment = match robot {
             Some(robot) => Experiment::read_with_robot(&path, &robot)?,
             None => Experiment::read(&path, &data)?,
         };
-        let results = experiment.run(&data, report_stage)?;
+        let results = experiment.run(&data, &mut |stage| interpreter.report_stage(stage))?;
         let (text, robot_text) = (&results.experiment_description, &results.robot_description);
         let robot = Robot::of_experiment(&path, text, robot_text, &results.profiled_terms)?;
         Ok((Results::new(results, experiment.published_path()), robot))

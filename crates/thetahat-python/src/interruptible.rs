@@ -3,38 +3,81 @@
 use std::{
     any::Any,
     panic::resume_unwind,
-    sync::mpsc::{RecvTimeoutError, channel},
+    sync::mpsc::{RecvTimeoutError, Sender, channel},
     thread,
     time::Duration,
 };
 
-use pyo3::prelude::*;
+use pyo3::{exceptions::PyException, prelude::*};
 
 use crate::python_error::PythonError;
 
 /// Time between checks of signals during the work.
 const EVERY: Duration = Duration::from_millis(50);
 
+/// What the work asks of the interpreter's thread.
+enum Request {
+    Stage(String),
+    /// A call of the user's function; its error ends the work at once.
+    Call(Box<dyn FnOnce(Python<'_>) -> PyResult<()> + Send>),
+}
+
+/// The work's way to the interpreter. The thread of the work never attaches itself: one that is abandoned may outlive the interpreter,
+/// and an interpreter that ends aborts the process when such a thread returns to it.
+#[derive(Clone)]
+pub struct Interpreter(Sender<Request>);
+
+impl Interpreter {
+    pub fn report_stage(&self, stage: &str) {
+        self.request(Request::Stage(stage.to_owned()));
+    }
+
+    /// The function's value, called in the interpreter's thread. An exception that `except Exception` does not catch, such as that
+    /// of Ctrl-C, is raised there.
+    pub fn call<T: Send + 'static>(
+        &self,
+        function: impl FnOnce(Python<'_>) -> PyResult<T> + Send + 'static,
+    ) -> PyResult<T> {
+        let (sender, value) = channel();
+        self.request(Request::Call(Box::new(move |py| match function(py) {
+            Err(error) if !error.is_instance_of::<PyException>(py) => Err(error),
+            value => {
+                // Only an abandoned work waits no longer.
+                sender.send(value).ok();
+                Ok(())
+            }
+        })));
+        value.recv().unwrap_or_else(|_| abandoned())
+    }
+
+    fn request(&self, request: Request) {
+        if self.0.send(request).is_err() {
+            abandoned();
+        }
+    }
+}
+
+/// Ends the thread of a work whose caller has gone. This is not a panic: nothing is printed.
+fn abandoned() -> ! {
+    resume_unwind(Box::new("abandoned"))
+}
+
 /// Does the work in a separate thread, without the interpreter's lock. Its stages are passed to `progress`, and an exception of
-/// that, or of a signal such as Ctrl-C, is raised at once: the abandoned thread ends when it next reports a stage.
+/// that, or of a signal such as Ctrl-C, is raised at once: the abandoned thread ends at its next request.
 pub fn run<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<Bound<'_, PyAny>>,
-    work: impl FnOnce(&mut dyn FnMut(&str)) -> Result<T, PythonError> + Send + 'static,
+    work: impl FnOnce(&Interpreter) -> Result<T, PythonError> + Send + 'static,
 ) -> PyResult<T> {
-    let (sender, mut stages) = channel::<String>();
-    let worker = thread::spawn(move || {
-        work(&mut |stage| {
-            if sender.send(stage.to_owned()).is_err() {
-                // The caller has gone. This is not a panic: nothing is printed.
-                resume_unwind(Box::new("abandoned"));
-            }
-        })
-    });
+    let (sender, mut requests) = channel::<Request>();
+    let worker = thread::spawn(move || work(&Interpreter(sender)));
     loop {
-        let stages = &mut stages;
-        match py.detach(move || stages.recv_timeout(EVERY)) {
-            Ok(stage) => progress.as_ref().map_or(Ok(()), |progress| progress.call1((stage,)).map(|_| ()))?,
+        let requests = &mut requests;
+        match py.detach(move || requests.recv_timeout(EVERY)) {
+            Ok(Request::Stage(stage)) => {
+                progress.as_ref().map_or(Ok(()), |progress| progress.call1((stage,)).map(|_| ()))?
+            }
+            Ok(Request::Call(function)) => function(py)?,
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => break,
         }

@@ -3,6 +3,8 @@
 import concurrent.futures
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 
@@ -103,3 +105,26 @@ def ctrl_c_is_answered_within_a_second(what):
     with pytest.raises(KeyboardInterrupt):
         work()
     assert time.perf_counter() - begun < 0.2 + 1.0
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_a_program_ends_in_order_after_ctrl_c_in_an_estimator():
+    program = """
+import os, signal, threading, time
+import thetahat as th
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
+def endless(regression):
+    threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()
+    while True:
+        time.sleep(0.001)
+
+twin = th.testing.twin(seconds=5)
+try:
+    th.identify(twin.robot, twin.recording, estimators={"endless": endless}, cutoff_hz=40, decimation=10)
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert (ended.returncode, ended.stdout, ended.stderr) == (0, "interrupted\n", "")
