@@ -17,6 +17,14 @@ use thetahat_ground::{
 /// Smallest fraction of the gas that a cylinder leaves: beyond it the force no longer grows.
 pub(crate) const LEAST_GAS: f64 = 0.05;
 
+/// Bodies that move with a joint: their mass, and their first moments in its frame.
+#[derive(Clone, Copy)]
+struct Carried<T> {
+    joint: usize,
+    mass: f64,
+    moments: Vec3<T>,
+}
+
 impl Model {
     /// Adds the torques of the terms.
     pub(super) fn add_term_torques<T: Real, P: Parameter<T>>(
@@ -73,17 +81,31 @@ impl Model {
     /// The torque of gravity on a coordinate, by virtual work.
     fn weight<T: Real>(&self, bodies: &[Body], coordinate: usize, q: &[T]) -> T {
         let varied = varied(q, coordinate);
-        let mut torque = q[0].like(0.0);
-        for body in bodies.iter().filter(|b| self.support(b.joint).coordinates.contains(&coordinate)) {
-            let kind = varied[0];
-            let origin = self.point_in_base(Some(body.joint), in_lanes(kind, [0.0; 3]), &varied);
-            let tip = self.point_in_base(Some(body.joint), in_lanes(kind, body.moments), &varied);
-            // The first moments in the base frame are tip minus origin.
-            let moments =
-                [0, 1, 2].map(|i| tip[i].derivative - origin[i].derivative + origin[i].derivative * body.mass);
-            torque -= dot(moments, in_lanes(torque, self.gravity));
+        let nothing = Carried { joint: BASE, mass: 0.0, moments: in_lanes(varied[0], [0.0; 3]) };
+        let (mut carried, mut in_base) = (nothing, nothing.moments);
+        for body in bodies.iter().rev().filter(|b| self.support(b.joint).coordinates.contains(&coordinate)) {
+            carried = self.brought(carried, Some(body.joint), &varied);
+            if carried.joint != body.joint {
+                in_base = add(in_base, self.brought(carried, None, &varied).moments);
+                carried = Carried { joint: body.joint, ..nothing };
+            }
+            carried.mass += body.mass;
+            carried.moments = add(carried.moments, in_lanes(varied[0], body.moments));
         }
-        torque
+        in_base = add(in_base, self.brought(carried, None, &varied).moments);
+        let slopes = in_base.map(|moment| moment.derivative);
+        -dot(slopes, in_lanes(slopes[0], self.gravity))
+    }
+
+    /// The same bodies in the frame of an earlier joint that carries them, else of the last before it; of none in the base's.
+    fn brought<T: Real>(&self, mut bodies: Carried<T>, to: Option<usize>, q: &[T]) -> Carried<T> {
+        while let Some(joint) = self.joints.get(bodies.joint).filter(|_| to.is_none_or(|to| bodies.joint > to)) {
+            let (r, p) = joint.placement(q);
+            let moments = add(r.times(bodies.moments), p.map(|p| p * bodies.mass));
+            bodies.moments = joint.turn.as_ref().map_or(moments, |turn| turn.times(moments));
+            bodies.joint = joint.parent;
+        }
+        bodies
     }
 
     /// The torque of a force between two points, by virtual work: the tension times the derivative of the distance.

@@ -7,6 +7,7 @@ use super::{
 };
 use thetahat_estimation::identification::{Method, Status};
 use thetahat_ground::number::significant;
+use thetahat_model::robot::TermDescription;
 
 /// Percent of a base parameter that the recordings must have decided for it to be quoted by itself.
 const QUOTED: f64 = 90.0;
@@ -25,6 +26,9 @@ pub struct ModelResult {
     pub guessed_links: Vec<usize>,
     /// Velocity v of `tanh(dq / v)`, the sign of the Coulomb friction, rad/s (m/s where all joints slide).
     pub friction_transition: f64,
+    /// Torque terms that it has in addition to the robot's, as a `[[term]]` states them: those that predict unseen motion better.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub terms: Vec<TermDescription>,
     /// What was tried, the default first.
     pub candidates: Vec<ModelCandidate>,
     /// Error on the rows that it is fitted to.
@@ -60,6 +64,9 @@ pub struct ModelCandidate {
     pub belief_weight: f64,
     /// Velocity of the friction's transition.
     pub friction_transition: f64,
+    /// Kinds of the torque terms that it has in addition to the robot's.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub terms: Vec<String>,
     /// Mean square of its errors on what is left out, in long-run variances of the residual.
     pub unseen_square: f64,
     /// Difference of that square from the one of the candidate that it challenged, and its standard error between the parts.
@@ -137,6 +144,14 @@ impl ModelParameter {
 }
 
 impl ModelResult {
+    /// The kinds of the torque terms that it has in addition to the robot's.
+    #[must_use]
+    pub fn kinds_of_terms(&self) -> Vec<&'static str> {
+        let mut kinds: Vec<&'static str> = self.terms.iter().map(TermDescription::kind).collect();
+        kinds.dedup();
+        kinds
+    }
+
     /// The error that it is judged by: on recordings that were held back, else on parts that were left out, else of the fit.
     #[must_use]
     pub fn judged_error(&self) -> &ModelError {

@@ -59,11 +59,22 @@ impl DriveGainResult {
     /// Whether the payload contradicts the recorded torque.
     #[must_use]
     pub fn contradicts(&self) -> bool {
-        let far = |factor: f64| (factor - 1.0).abs() > MATTERS;
+        self.differs_by(OF_FRICTION)
+    }
+
+    /// Whether the factor is so far from one that recordings with and without the payload contradict each other by it.
+    #[must_use]
+    pub fn can_make_recordings_disagree(&self) -> bool {
+        self.differs_by(SMALLEST)
+    }
+
+    fn differs_by(&self, least: f64) -> bool {
         let outside = self.interval_95.is_some_and(|[low, high]| low > 1.0 || high < 1.0);
-        outside && self.factor.is_some_and(far)
+        outside && self.factor.is_some_and(|factor| (factor - 1.0).abs() > least)
     }
 }
 
 /// Largest deviation of a gain from one that load-dependent friction can cause.
-const MATTERS: f64 = 0.1;
+const OF_FRICTION: f64 = 0.1;
+/// Smallest deviation of a gain from one that is worth a sentence.
+const SMALLEST: f64 = 0.02;

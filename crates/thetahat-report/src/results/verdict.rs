@@ -43,10 +43,10 @@ impl fmt::Display for Verdict {
 pub enum ReasonCode {
     /// The checks found a problem in a recording that was used.
     CheckProblem,
-    /// Separate fits explain the recordings, a common fit does not.
-    RecordingsDisagree,
     /// A known payload contradicts the torques.
     DriveGain,
+    /// Separate fits explain the recordings, a common fit does not.
+    RecordingsDisagree,
     /// A nominal run did not converge.
     NotConverged,
     /// Methods differ and no test shows which is wrong, or no method has a usable estimate.
@@ -81,8 +81,8 @@ impl ReasonCode {
     /// All codes, in order.
     pub const ALL: [Self; 17] = [
         Self::CheckProblem,
-        Self::RecordingsDisagree,
         Self::DriveGain,
+        Self::RecordingsDisagree,
         Self::NotConverged,
         Self::Undecided,
         Self::NothingExplained,

@@ -139,12 +139,15 @@ impl IdentifiedRobot {
         let no_estimate = |source| ExperimentError::NoEstimate { path: path.to_owned(), source };
         let model = results.model_for(&request.case, request.method);
         let (run, _) = results.estimate_and_source(&request.case, request.method).map_err(no_estimate)?;
-        let Subject { robot, settings, file, experiment } = subject(&run)?;
+        let Subject { mut robot, settings, file, experiment } = subject(&run)?;
         let mut files = vec![path.to_owned()];
         if let Some(description) = description_file(path, request, file)? {
             files.extend(require_same(results, &robot, &description)?);
         }
         let refuse = |problem: String| ExperimentError::ResultsFile { path: path.to_owned(), problem };
+        if let Some(model) = model {
+            robot.add_terms(&model.terms).map_err(|e| refuse(e.to_string()))?;
+        }
         let case = settings.all_cases().into_iter().find(|c| c.name == run.case).unwrap_or_else(Case::nominal);
         let setup = Setup { robot: &robot, settings: &settings };
         let base = setup.basis(&case).map_err(|e| refuse(e.to_string()))?.base;
@@ -233,9 +236,11 @@ impl IdentifiedRobot {
         let status =
             if run.status == Status::Converged { String::new() } else { format!("; status: {}", run.status.name()) };
         if let Some(model) = &self.model {
+            let kinds = model.kinds_of_terms();
+            let terms = if kinds.is_empty() { String::new() } else { format!(", terms {}", kinds.join(" and ")) };
             return format!(
                 "the model{title}: physically consistent least squares in the rows of {}, belief in the a-priori robot of \
-                 weight {}, friction fc tanh(dq / {}); verdict: {verdict}",
+                 weight {}, friction fc tanh(dq / {}){terms}; verdict: {verdict}",
                 model.method, model.belief_weight, model.friction_transition
             );
         }

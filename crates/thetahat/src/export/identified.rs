@@ -92,7 +92,7 @@ impl IdentifiedModel {
             (Provenance::InSums, "identified in sums with others alone, shared out as the a-priori values are"),
             (Provenance::Given, "given by the experiment"),
             (Provenance::Zero, "not in the identified model, zero"),
-            (Provenance::APriori, "not identified, from the a-priori values"),
+            (Provenance::APriori, "not identified, chosen near the a-priori values"),
         ];
         let named = says.into_iter().map(|(which, what)| (of(which), what)).filter(|(names, _)| !names.is_empty());
         named.map(|(names, what)| format!("{what}: {names}")).collect()

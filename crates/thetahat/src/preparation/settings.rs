@@ -221,6 +221,13 @@ pub struct ModelOptions {
     pub friction_transition: Option<f64>,
 }
 
+impl ModelOptions {
+    /// Whether the law of the friction is stated: nothing challenges it.
+    pub(crate) fn is_stated(&self) -> bool {
+        self.friction_transition.is_some()
+    }
+}
+
 /// Which parameters are estimated and shown.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]

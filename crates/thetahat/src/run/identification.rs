@@ -1,6 +1,6 @@
 //! A robot with its recordings and settings, and what its estimations need.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use super::{
     prepared::{PreparedRecording, filtered},
@@ -20,7 +20,7 @@ use thetahat_estimation::{
 use thetahat_ground::pool::available_threads;
 use thetahat_model::{
     base_parameters::BaseParameters,
-    robot::{Friction, Robot},
+    robot::{Friction, Robot, TermDescription},
 };
 use thetahat_report::results::ProfiledTerm;
 
@@ -35,10 +35,10 @@ pub struct Identification {
     proposed: Option<ProposedController>,
     /// The constants of torque terms that were searched for.
     pub(super) profiled: Vec<ProfiledTerm>,
-    pub(super) main: Vec<PreparedRecording>,
+    pub(super) main: Arc<Vec<PreparedRecording>>,
     /// Recordings with a payload that is to be estimated: nothing else is estimated from them.
     pub(super) loaded: Vec<PreparedRecording>,
-    pub(super) validation: Vec<PreparedRecording>,
+    pub(super) validation: Arc<Vec<PreparedRecording>>,
     /// Estimators of the user's own, for the nominal case.
     pub(super) estimators: Vec<UserEstimator>,
     /// Threads on which loops are simulated.
@@ -98,9 +98,9 @@ impl Identification {
             settings,
             proposed: None,
             profiled: Vec::new(),
-            main: Vec::new(),
+            main: Arc::default(),
             loaded: Vec::new(),
-            validation: Vec::new(),
+            validation: Arc::default(),
             estimators: Vec::new(),
             threads: available_threads(),
         };
@@ -127,13 +127,30 @@ impl Identification {
         Self { threads: threads.max(1), ..self }
     }
 
+    /// The same recordings of a robot with more torque terms; none if it cannot have them.
+    pub(super) fn with_terms(&self, terms: &[TermDescription]) -> Option<Self> {
+        let mut robot = self.robot.clone();
+        robot.add_terms(terms).ok()?;
+        Some(Self {
+            robot,
+            settings: self.settings.clone(),
+            proposed: None,
+            profiled: Vec::new(),
+            main: self.main.clone(),
+            loaded: Vec::new(),
+            validation: self.validation.clone(),
+            estimators: Vec::new(),
+            threads: self.threads,
+        })
+    }
+
     /// The same with recordings that are held back to validate the estimates on.
     ///
     /// # Errors
     /// [`PreparationError`] for recordings that cannot be used.
     pub fn with_validation(mut self, recordings: Vec<Recording>) -> Result<Self, PreparationError> {
-        self.validation = self.prepare(recordings)?;
-        for prepared in &self.validation {
+        self.validation = Arc::new(self.prepare(recordings)?);
+        for prepared in self.validation.iter() {
             let recording = &prepared.filtered.recording;
             if let Some(payload) = self.setup().payload_of(recording)?.filter(|p| !p.is_known()) {
                 let key = format!("[[validation]] {}: payload", recording.name);
@@ -147,6 +164,7 @@ impl Identification {
     /// Takes recordings: those with a payload that is to be estimated apart from the others.
     fn take(&mut self, all: Vec<PreparedRecording>) -> Result<(), PreparationError> {
         let simulating = self.settings.all_methods().into_iter().find(|m| m.needs() != Needs::Measurement);
+        let mut main = Vec::new();
         for prepared in all {
             let recording = &prepared.filtered.recording;
             let payload = self.setup().payload_of(recording)?.map(Payload::is_known);
@@ -155,8 +173,9 @@ impl Identification {
                 let expected = "idim-ls or idim-wls where a recording has a payload: simulations carry none";
                 return Err(PreparationError::value(&place, expected, method));
             }
-            if payload == Some(false) { self.loaded.push(prepared) } else { self.main.push(prepared) }
+            if payload == Some(false) { self.loaded.push(prepared) } else { main.push(prepared) }
         }
+        self.main = Arc::new(main);
         if self.main.is_empty() {
             let why = "a payload that is to be estimated is distinguished from the robot by motion with and without it";
             return Err(PreparationError::Missing { missing: "a recording without it", why });

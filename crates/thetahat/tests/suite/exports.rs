@@ -636,7 +636,7 @@ fn results_of_before_the_verdict_are_judged() {
 fn a_sample_says_its_verdict_and_where_its_parameters_come_from() {
     let found = model(two_joint(), &EstimateRequest::default()).unwrap();
     let text = found.export_sample(&found.sample(1, 1).unwrap(), ExportFormat::Mjcf).unwrap().text;
-    for words in ["verdict: ", "identified by themselves: ", "not identified, from the a-priori values: "] {
+    for words in ["verdict: ", "identified by themselves: ", "not identified, chosen near the a-priori values: "] {
         assert!(text.contains(words), "{words}: {text}");
     }
 }

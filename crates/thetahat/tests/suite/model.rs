@@ -9,6 +9,7 @@ use thetahat::{
     preparation::Recording,
     results::{ModelResult, Verdict},
 };
+use thetahat_model::robot::TermDescription;
 use thetahat_report::results::{CauseKind, ModelParameter, UseGrade};
 
 fn experiment() -> Experiment {
@@ -174,4 +175,32 @@ fn the_model_is_exported_as_it_is_and_samples_keep_what_is_given() {
         assert!((sample.standard[place] - fv1).abs() < 1e-6 * fv1, "{} {fv1}", sample.standard[place]);
     }
     exported.covariance_json().unwrap();
+}
+
+/// Friction in proportion to the load, which the description has not: the model has a term for it, and predictions use it.
+#[test]
+fn friction_that_the_description_lacks_is_a_term_of_the_model() {
+    let load = TermDescription::LoadFriction { joints: None };
+    let mut twin = experiment();
+    twin.robot.add_terms(std::slice::from_ref(&load)).unwrap();
+    let parameters = &mut twin.file.twin.as_mut().unwrap().parameters;
+    parameters.extend(["fl2", "fl3"].map(|name| (name.to_owned(), 0.1)));
+    let recording = Recording { truth: None, ..twin.recordings(Path::new("")).unwrap().remove(0) };
+
+    let Experiment { robot, settings, .. } = experiment();
+    let identification = Identification::new(&robot, vec![recording.clone()], settings).unwrap();
+    let results = identification.run().unwrap();
+    let model = model(&results);
+    assert_eq!(model.terms, [load], "{:?}", model.candidates);
+    let value = |name: &str| model.parameters.iter().find(|p| p.name == name).unwrap().value;
+    assert!((value("fl2") / 0.1 - 1.0).abs() < 0.2 && (value("fl3") / 0.1 - 1.0).abs() < 0.2, "{:?}", model.parameters);
+    assert!(!model.causes.iter().any(|c| c.kind == CauseKind::LoadFriction), "{:?}", model.causes);
+
+    let error = |method| {
+        let request = EstimateRequest { method, untrusted: true, ..EstimateRequest::default() };
+        let identified = IdentifiedRobot::of_identification(&identification, &results, &request).unwrap();
+        identified.predict(recording.clone()).unwrap().all_samples_error_percent.unwrap()
+    };
+    let (with_term, without) = (error(None), error(Some(Method::IDIM_LS)));
+    assert!(with_term < 0.7 * without, "{with_term} % with the term, {without} % without");
 }

@@ -46,11 +46,20 @@ fn what(model: &ModelResult) -> String {
     format!(
         "The physically consistent robot that predict, export, generate and sample use. Before the recordings each a-priori body \
          is believed to {} % (weight {}), friction and motor inertias to a factor of three. Coulomb friction changes its sign as \
-         tanh(dq / {}).{guessed}",
+         tanh(dq / {}).{}{guessed}",
         significant(model.belief_percent, 2),
         significant(model.belief_weight, 3),
-        significant(model.friction_transition, 3)
+        significant(model.friction_transition, 3),
+        terms(model)
     )
+}
+
+/// The torque terms that it has in addition to the robot's, in a sentence.
+fn terms(model: &ModelResult) -> String {
+    match model.kinds_of_terms().as_slice() {
+        [] => String::new(),
+        kinds => format!(" It has torque terms that the description has not: {}.", kinds.join(", ")),
+    }
 }
 
 fn uses(model: &ModelResult) -> Table {
@@ -184,6 +193,7 @@ fn candidates(model: &ModelResult) -> Table {
             c.difference.map_or([NONE.to_owned(), NONE.to_owned()], |d| d.map(|v| significant(v, 3)));
         vec![
             significant(c.friction_transition, 3),
+            if c.terms.is_empty() { NONE.to_owned() } else { c.terms.join(", ") },
             significant(c.belief_weight, 3),
             significant(c.unseen_square, 4),
             difference,
@@ -193,8 +203,8 @@ fn candidates(model: &ModelResult) -> Table {
     };
     Table {
         title: "Candidates for the model".to_owned(),
-        lead: 2,
-        head: strings(&["transition", "weight", "unseen", "difference", "its error", "taken"]),
+        lead: 3,
+        head: strings(&["transition", "terms", "weight", "unseen", "difference", "its error", "taken"]),
         rows: model.candidates.iter().map(row).collect(),
         notes: strings(&[
             "unseen: mean square of the errors on what is left out, in long-run variances of the residual. A candidate replaces the \

@@ -18,9 +18,14 @@ const FEWEST_ROWS: f64 = 10.0;
 const ONE_SAMPLE: f64 = 1.0;
 
 pub(super) fn reasons(results: &Results) -> Vec<VerdictReason> {
-    let of_checks = results.findings.iter().flat_map(|recording| of_recording(results, recording));
-    let of_gains = results.drive_gains.iter().filter(|g| g.contradicts()).map(drive_gain);
-    of_checks.chain(of_gains).chain(few_rows(results)).collect()
+    let mut reasons: Vec<VerdictReason> =
+        results.findings.iter().flat_map(|recording| of_recording(results, recording)).collect();
+    let disagree = reasons.iter().any(|r| r.code == ReasonCode::RecordingsDisagree && r.verdict == Verdict::DoNotUse);
+    // A gain that load-dependent friction can cause is said where recordings contradict each other.
+    let is_said = |gain: &&DriveGainResult| gain.contradicts() || disagree && gain.can_make_recordings_disagree();
+    reasons.extend(results.drive_gains.iter().filter(is_said).map(|gain| drive_gain(gain, disagree)));
+    reasons.extend(few_rows(results));
+    reasons
 }
 
 /// One reason for each code, with the finding of the largest evidence in words.
@@ -81,10 +86,14 @@ fn of_findings(
     reason(code, verdict, &[("value", Some(worst.value)), ("limit", worst.limit)], concerned, said)
 }
 
-fn drive_gain(gain: &DriveGainResult) -> VerdictReason {
+fn drive_gain(gain: &DriveGainResult, disagree: bool) -> VerdictReason {
     let factor = gain.factor.unwrap_or(f64::NAN);
+    let consequence = if disagree { "; that alone makes the recordings contradict each other" } else { "" };
     let said = ReasonText::new(
-        format!("The known payload says that the torque of {} is {factor:.3} times what was recorded", gain.joint),
+        format!(
+            "The known payload says that the torque of {} is {factor:.3} times what was recorded{consequence}",
+            gain.joint
+        ),
         format!("correct the drive's gain of {}, or the payload's mass", gain.joint),
     );
     let concerned = ReasonSubject { joint: Some(gain.joint.clone()), ..ReasonSubject::default() };

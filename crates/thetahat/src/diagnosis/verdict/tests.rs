@@ -165,7 +165,14 @@ fn a_payload_that_contradicts_the_torques_is_believed() {
         payload_rms: 5.0,
         reason: None,
     };
+    let near_one = DriveGainResult { factor: Some(0.92), interval_95: Some([0.91, 0.93]), ..gain.clone() };
     assert_eq!(judged(|r| r.drive_gains = vec![gain]), do_not_use(ReasonCode::DriveGain));
+    assert_eq!(judged(|r| r.drive_gains = vec![near_one.clone()]).0, Verdict::Good);
+    let (_, reasons) = judged(|r| {
+        r.drive_gains = vec![near_one];
+        r.findings = in_recording(finding(Code::RecordingsContradict, Severity::Problem), false);
+    });
+    assert_eq!(reasons, [ReasonCode::DriveGain, ReasonCode::RecordingsDisagree]);
 }
 
 #[test]

@@ -14,6 +14,7 @@ use thetahat_ground::{
 use thetahat_model::{
     base_parameters::BaseParameters,
     consistency::{ConsistentSet, LeastSquares, Prior, fit_within},
+    robot::TermDescription,
 };
 use thetahat_report::results::ModelCandidate;
 
@@ -34,19 +35,32 @@ const NEXT_TO_FREE: f64 = 1e-3;
 
 /// What is chosen from.
 pub(super) struct Choosing<'a> {
-    pub(super) set: &'a ConsistentSet,
-    pub(super) base: &'a BaseParameters,
-    /// The rows of each transition.
-    pub(super) laws: &'a [ModelRows],
-    pub(super) transitions: &'a [f64],
+    pub(super) laws: &'a [Law<'a>],
     pub(super) weights: &'a [f64],
     pub(super) folds: &'a ModelFolds,
+}
+
+/// A law of friction: a transition of the robot as described, or one with more torque terms.
+pub(super) struct Law<'a> {
+    pub(super) set: &'a ConsistentSet,
+    pub(super) base: &'a BaseParameters,
+    pub(super) rows: &'a ModelRows,
+    pub(super) transition: f64,
+    /// In addition to the robot's.
+    pub(super) terms: &'a [TermDescription],
+}
+
+impl Law<'_> {
+    fn kinds(&self) -> Vec<String> {
+        let mut kinds: Vec<String> = self.terms.iter().map(|term| term.kind().to_owned()).collect();
+        kinds.dedup();
+        kinds
+    }
 }
 
 /// What was chosen.
 pub(super) struct Choice {
     pub(super) law: usize,
-    pub(super) transition: f64,
     pub(super) weight: f64,
     pub(super) standard: Vec<f64>,
     /// The long-run deviation of each joint's residual.
@@ -55,6 +69,16 @@ pub(super) struct Choice {
     pub(super) data: LeastSquares,
     pub(super) candidates: Vec<ModelCandidate>,
     pub(super) unseen: Option<Unseen>,
+    pub(super) found: Found,
+}
+
+/// What was computed on the way; it holds for the same laws with others after them.
+#[derive(Default)]
+pub(super) struct Found {
+    /// The long-run deviations of each law's residual, joint by joint.
+    deviations: Vec<Vec<f64>>,
+    /// Base parameters; none if a fit has no result.
+    fitted: HashMap<Fitted, Option<Vec<f64>>>,
 }
 
 /// The prediction of rows that neither fit nor choice has seen.
@@ -63,7 +87,7 @@ pub(super) struct Unseen {
     pub(super) seen: Vec<bool>,
 }
 
-/// A candidate: indices of its transition and weight.
+/// A candidate: indices of its law and weight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 struct Candidate {
     law: usize,
@@ -77,26 +101,32 @@ const DEFAULT: Candidate = Candidate { law: 0, weight: 0 };
 const POWER: f64 = 0.5;
 
 impl Choosing<'_> {
-    pub(super) fn choose(&self, threads: usize) -> Option<Choice> {
-        let found = in_parallel(self.laws.len(), threads, |law| self.deviations(&self.laws[law]));
-        let deviations = found.into_iter().collect::<Option<Vec<_>>>()?;
-        let of_law = |(rows, own): (&ModelRows, &Vec<f64>)| {
-            Whitened::new(rows, self.folds, &deviations[DEFAULT.law], &weighted(own, POWER))
+    /// The best law and weight; `found` is of the same laws without the last ones.
+    pub(super) fn choose(&self, threads: usize, found: Found) -> Option<Choice> {
+        let Found { mut deviations, fitted } = found;
+        let first = deviations.len();
+        let of_others = in_parallel(self.laws.len() - first, threads, |k| self.deviations(&self.laws[first + k]));
+        deviations.extend(of_others.into_iter().collect::<Option<Vec<_>>>()?);
+        let of_law = |(law, own): (&Law, &Vec<f64>)| {
+            Whitened::new(law.rows, self.folds, &deviations[DEFAULT.law], &weighted(own, POWER))
         };
         let whitened: Vec<Whitened> = self.laws.iter().zip(&deviations).map(of_law).collect();
-        let mut search = Search { choosing: self, whitened: &whitened, threads, fitted: HashMap::new() };
+        let mut search = Search { choosing: self, whitened: &whitened, threads, fitted };
         let (chosen, candidates) = search.chosen(None);
-        let fitted = whitened[chosen.law].all(self.base, self.set)?;
-        let standard = fit_within(self.set, &fitted, self.prior(chosen), None, GAPS[1]).ok()?.standard;
+        let unseen = search.unseen();
+        let found = Found { fitted: search.fitted, deviations: deviations.clone() };
+        let law = &self.laws[chosen.law];
+        let fitted = whitened[chosen.law].all(law)?;
+        let standard = fit_within(law.set, &fitted, self.prior(chosen), None, GAPS[1]).ok()?.standard;
         Some(Choice {
             law: chosen.law,
-            transition: self.transitions[chosen.law],
             weight: self.weights[chosen.weight],
             standard,
             deviations: deviations[chosen.law].clone(),
-            data: self.of_unit_variance(chosen.law, &deviations[chosen.law])?,
+            data: self.of_unit_variance(law, &deviations[chosen.law])?,
             candidates,
-            unseen: search.unseen(),
+            unseen,
+            found,
         })
     }
 
@@ -105,12 +135,13 @@ impl Choosing<'_> {
     }
 
     /// The rows of a law, each joint divided by its deviation.
-    fn of_unit_variance(&self, law: usize, deviations: &[f64]) -> Option<LeastSquares> {
-        Whitened::new(&self.laws[law], self.folds, deviations, deviations).all(self.base, self.set)
+    fn of_unit_variance(&self, law: &Law, deviations: &[f64]) -> Option<LeastSquares> {
+        Whitened::new(law.rows, self.folds, deviations, deviations).all(law)
     }
 
     /// The long-run deviation of each joint's residual, next to free estimates; along a motion that repeats, with errors that do.
-    fn deviations(&self, rows: &ModelRows) -> Option<Vec<f64>> {
+    fn deviations(&self, law: &Law) -> Option<Vec<f64>> {
+        let rows = law.rows;
         let torque: Vec<f64> = rows.layout.by_joint(&rows.y).iter().map(|y| rms(y)).collect();
         let largest = torque.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let least: Vec<f64> = torque.iter().map(|t| LEAST_DEVIATION * t.max(LEAST_DEVIATION * largest)).collect();
@@ -119,10 +150,10 @@ impl Choosing<'_> {
         let mut start: Option<Vec<f64>> = None;
         for round in 0..ROUNDS {
             let whitened = Whitened::new(rows, self.folds, &deviations, &deviations);
-            let data = whitened.all(self.base, self.set)?;
+            let data = whitened.all(law)?;
             let prior = Prior::Belief { weight: NEXT_TO_FREE };
-            let fit = fit_within(self.set, &data, prior, start.as_deref(), GAPS[0]).ok()?;
-            let prediction = rows.x.times(&self.base.from_standard(&fit.standard));
+            let fit = fit_within(law.set, &data, prior, start.as_deref(), GAPS[0]).ok()?;
+            let prediction = rows.x.times(&law.base.from_standard(&fit.standard));
             let residual: Vec<f64> = rows.y.iter().zip(prediction).map(|(y, p)| y - p).collect();
             let last = round + 1 == ROUNDS;
             let repeated = if last { repeated_widening(&rows.layout, &residual) } else { vec![1.0; least.len()] };
@@ -161,7 +192,7 @@ fn long_run_deviation(residual: &[f64]) -> f64 {
     rms(residual) * widening.max(1.0).sqrt()
 }
 
-/// Whitened rows of one transition: triangular factors of each part, and of the rows that belong to none.
+/// Whitened rows of one law: triangular factors of each part, and of the rows that belong to none.
 struct Whitened {
     x: Matrix,
     y: Vec<f64>,
@@ -192,15 +223,15 @@ impl Whitened {
     }
 
     /// The least squares of all rows.
-    fn all(&self, base: &BaseParameters, set: &ConsistentSet) -> Option<LeastSquares> {
+    fn all(&self, law: &Law) -> Option<LeastSquares> {
         let parts: Vec<&Matrix> = self.factors.iter().filter(|f| f.rows() > 0).collect();
-        least_squares(&parts, base, set)
+        least_squares(&parts, law)
     }
 
     /// Those without some parts, and without the rows near borders.
-    fn without(&self, out: &[usize], base: &BaseParameters, set: &ConsistentSet) -> Option<LeastSquares> {
+    fn without(&self, out: &[usize], law: &Law) -> Option<LeastSquares> {
         let kept = (0..FOLDS).filter(|part| !out.contains(part)).map(|part| &self.factors[part]);
-        least_squares(&kept.filter(|f| f.rows() > 0).collect::<Vec<_>>(), base, set)
+        least_squares(&kept.filter(|f| f.rows() > 0).collect::<Vec<_>>(), law)
     }
 
     fn rows_of(&self, part: usize) -> impl Iterator<Item = usize> + '_ {
@@ -208,11 +239,11 @@ impl Whitened {
     }
 }
 
-fn least_squares(parts: &[&Matrix], base: &BaseParameters, set: &ConsistentSet) -> Option<LeastSquares> {
+fn least_squares(parts: &[&Matrix], law: &Law) -> Option<LeastSquares> {
     let factor = Matrix::stack(parts).triangular_factor();
     let columns = factor.columns() - 1;
     let r = factor.select_columns(&(0..columns).collect::<Vec<_>>());
-    LeastSquares::in_base(&r, factor.column(columns).to_vec(), base, set.parameter_table().len()).ok()
+    LeastSquares::in_base(&r, factor.column(columns).to_vec(), law.base, law.set.parameter_table().len()).ok()
 }
 
 /// A candidate fitted without some parts.
@@ -235,8 +266,14 @@ impl Search<'_> {
 
     /// The candidate that is chosen without a part, with all that were compared.
     fn chosen(&mut self, kept_out: Option<usize>) -> (Candidate, Vec<ModelCandidate>) {
-        let laws: Vec<Candidate> = (0..self.choosing.laws.len()).map(|law| Candidate { law, ..DEFAULT }).collect();
-        let (best, mut compared) = self.best_of(&laws, kept_out);
+        let (with_terms, transitions): (Vec<usize>, Vec<usize>) =
+            (0..self.choosing.laws.len()).partition(|law| !self.choosing.laws[*law].terms.is_empty());
+        let candidate = |law: usize| Candidate { law, ..DEFAULT };
+        let transitions: Vec<Candidate> = transitions.into_iter().map(candidate).collect();
+        let (best, mut compared) = self.best_of(&transitions, kept_out);
+        let with_terms: Vec<Candidate> = [best].into_iter().chain(with_terms.into_iter().map(candidate)).collect();
+        let (best, further) = self.best_of(&with_terms, kept_out);
+        compared.extend(further.into_iter().skip(1));
         let weights: Vec<Candidate> =
             (0..self.choosing.weights.len()).map(|weight| Candidate { weight, ..best }).collect();
         let (best, further) = self.best_of(&weights, kept_out);
@@ -264,20 +301,22 @@ impl Search<'_> {
             if is_better && squares[best].as_ref().is_none_or(|b| mean(found) < mean(b)) {
                 best = k;
             }
-            compared.push(ModelCandidate {
-                belief_weight: self.choosing.weights[candidates[k].weight],
-                friction_transition: self.choosing.transitions[candidates[k].law],
-                unseen_square: mean(found),
-                difference,
-                taken: false,
-            });
+            compared.push((k, self.described(candidates[k], mean(found), difference)));
         }
-        let taken = candidates[best];
-        for candidate in &mut compared {
-            candidate.taken = candidate.belief_weight == self.choosing.weights[taken.weight]
-                && candidate.friction_transition == self.choosing.transitions[taken.law];
+        let described = compared.into_iter().map(|(k, c)| ModelCandidate { taken: k == best, ..c });
+        (candidates[best], described.collect())
+    }
+
+    fn described(&self, candidate: Candidate, unseen_square: f64, difference: Option<[f64; 2]>) -> ModelCandidate {
+        let law = &self.choosing.laws[candidate.law];
+        ModelCandidate {
+            belief_weight: self.choosing.weights[candidate.weight],
+            friction_transition: law.transition,
+            terms: law.kinds(),
+            unseen_square,
+            difference,
+            taken: false,
         }
-        (taken, compared)
     }
 
     /// Makes the fits that are missing, several at a time.
@@ -288,10 +327,10 @@ impl Search<'_> {
     }
 
     fn fit(&self, (candidate, out): &Fitted) -> Option<Vec<f64>> {
-        let Choosing { set, base, .. } = self.choosing;
-        let data = self.whitened[candidate.law].without(out, base, set)?;
-        let fit = fit_within(set, &data, self.choosing.prior(*candidate), None, GAPS[0]).ok()?;
-        Some(base.from_standard(&fit.standard))
+        let law = &self.choosing.laws[candidate.law];
+        let data = self.whitened[candidate.law].without(out, law)?;
+        let fit = fit_within(law.set, &data, self.choosing.prior(*candidate), None, GAPS[0]).ok()?;
+        Some(law.base.from_standard(&fit.standard))
     }
 
     fn estimate(&self, candidate: Candidate, out: Vec<usize>) -> Option<&[f64]> {
@@ -323,7 +362,7 @@ impl Search<'_> {
             let (chosen, _) = self.chosen(Some(part));
             self.fit_all(vec![(chosen, vec![part])]);
             let theta = self.estimate(chosen, vec![part])?;
-            let prediction = self.choosing.laws[chosen.law].x.times(theta);
+            let prediction = self.choosing.laws[chosen.law].rows.x.times(theta);
             for k in self.whitened[chosen.law].rows_of(part) {
                 (unseen.prediction[k], unseen.seen[k]) = (prediction[k], true);
             }

@@ -58,53 +58,85 @@ pub(super) fn causes(
         return FoundCauses::default();
     };
     let candidates = torques.causes(identification.threads);
-    let named_below = named_below(identification);
     let late = candidates.iter().position(|c| c.kind == CauseKind::LateTorque);
     // A delay shows where the torque changes: at reversals, which all others leave out. Its size is too small where the position
     // filter rings at rests: the check of lags measures it better.
     let of_delay = late.and_then(|late| Residual::new(rows, deviations, &[], vec![candidates[late].clone()]));
-    let Some(mut residual) = Residual::new(rows, deviations, &speeds.turning, candidates) else {
+    let Some(residual) = Residual::new(rows, deviations, &speeds.turning, candidates) else {
         return FoundCauses::default();
     };
-    let count = residual.candidates.len();
-    let mut named: Vec<ModelCause> = Vec::new();
-    let mut put_in: Vec<usize> = Vec::new();
-    let mut delay = None;
-    if let Some((late, of_delay)) = late.zip(of_delay) {
-        put_in.push(late);
-        if let Some(found) = of_delay.test(0).filter(|found| found.log10_p < named_below) {
-            let moved = moved(&of_delay, problem, 0, &found);
-            named.push(ModelCause { moved, ..found.named(&of_delay.candidates[0].cause, Vec::new()) });
-            delay = of_delay.candidates[0].cause.columns.first().cloned();
-            residual.put_in(late);
-        }
-    }
-    while named.len() < MOST {
-        let test = |k: usize| {
-            let found = if put_in.contains(&k) { None } else { residual.test(k) };
-            found.filter(|f| residual.candidates[k].cause.is_plausible(f))
-        };
-        let found: Vec<Option<Evidence>> = in_parallel(count, identification.threads, test);
-        let evidence = |k: usize| found[k].as_ref().map(|f| f.log10_p);
-        let shown = (0..count).filter_map(|k| Some((k, evidence(k)?))).filter(|(_, log10_p)| *log10_p < named_below);
-        let Some((best, log10_p)) = shown.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
-        let is_other =
-            |k: usize| k != best && !residual.candidates[k].cause.is_part_of(&residual.candidates[best].cause);
-        let is_rival = |k: &usize| is_other(*k) && evidence(*k).is_some_and(|p| p < named_below && p < RIVAL * log10_p);
-        let rivals: Vec<usize> = (0..count).filter(is_rival).collect();
-        let Some(strongest) = &found[best] else { break };
-        let moved = moved(&residual, problem, best, strongest);
-        residual.put_in(best);
-        put_in.push(best);
-        let is_gone = |k: &&usize| residual.test(**k).is_none_or(|f| f.log10_p > GONE);
-        let cause = |k: usize| &residual.candidates[k].cause;
-        let name = |k: &usize| cause(*k).kind.with_subject(&cause(*k).subject);
-        let rivals = rivals.iter().filter(is_gone).map(name).collect();
-        named.push(ModelCause { moved, ..strongest.named(cause(best), rivals) });
-    }
+    let threads = identification.threads;
+    let named_below = named_below(identification);
+    let mut search = Search { residual, problem, threads, named_below, put_in: Vec::new(), named: Vec::new() };
+    let delay = late.zip(of_delay).and_then(|(late, of_delay)| search.put_in_delay(late, &of_delay));
+    while search.named.len() < MOST && search.put_in_strongest() {}
+    let Search { residual, mut named, put_in, .. } = search;
     named.sort_by(|a, b| a.log10_probability.total_cmp(&b.log10_probability));
-    let hidden = (0..count).filter(|k| !put_in.contains(k)).filter_map(|k| smallest_shown(&residual, k, named_below));
-    FoundCauses { causes: named, smallest_shown: hidden.collect(), delay }
+    let hidden = (0..residual.candidates.len()).filter(|k| !put_in.contains(k));
+    let smallest_shown = hidden.filter_map(|k| smallest_shown(&residual, k, named_below)).collect();
+    FoundCauses { causes: named, smallest_shown, delay }
+}
+
+/// The causes that were put in, one after the other.
+struct Search<'a> {
+    residual: Residual,
+    problem: &'a Problem,
+    threads: usize,
+    /// log10 of the probability below which a cause is named.
+    named_below: f64,
+    put_in: Vec<usize>,
+    named: Vec<ModelCause>,
+}
+
+impl Search<'_> {
+    /// Puts the delay in if rows of its own show it, and gives its column.
+    fn put_in_delay(&mut self, late: usize, of_delay: &Residual) -> Option<Vec<f64>> {
+        self.put_in.push(late);
+        let found = of_delay.test(0).filter(|found| found.log10_p < self.named_below)?;
+        let moved = moved(of_delay, self.problem, 0, &found);
+        let cause = &of_delay.candidates[0].cause;
+        self.named.push(ModelCause { moved, ..found.named(cause, Vec::new()) });
+        self.residual.put_in(late);
+        cause.columns.first().cloned()
+    }
+
+    /// Puts the strongest cause in, with the name of others that it explains away; false if none is left.
+    fn put_in_strongest(&mut self) -> bool {
+        let found = self.evidence();
+        let log10_p = |k: usize| found[k].as_ref().map(|f| f.log10_p).filter(|p| *p < self.named_below);
+        let shown = (0..found.len()).filter_map(|k| Some((k, log10_p(k)?)));
+        let Some((best, strongest)) = shown.min_by(|a, b| a.1.total_cmp(&b.1)) else { return false };
+        let is_rival = |k: &usize| self.is_other(*k, best) && log10_p(*k).is_some_and(|p| p < RIVAL * strongest);
+        let moved = |k: usize, found: &Evidence| moved(&self.residual, self.problem, k, found);
+        let rivals: Vec<(usize, Vec<MovedParameter>)> =
+            (0..found.len()).filter(is_rival).filter_map(|k| Some((k, moved(k, found[k].as_ref()?)))).collect();
+        let Some(strongest) = &found[best] else { return false };
+        let by_strongest = moved(best, strongest);
+        self.residual.put_in(best);
+        self.put_in.push(best);
+        let is_gone = |(k, _): &(usize, _)| self.residual.test(*k).is_none_or(|f| f.log10_p > GONE);
+        let rivals: Vec<_> = rivals.into_iter().filter(is_gone).collect();
+        let cause = |k: usize| &self.residual.candidates[k].cause;
+        let names = rivals.iter().map(|(k, _)| cause(*k).kind.with_subject(&cause(*k).subject)).collect();
+        let moved = rivals.into_iter().fold(by_strongest, |all, (_, moved)| furthest(all, moved));
+        let named = ModelCause { moved, ..strongest.named(cause(best), names) };
+        self.named.push(named);
+        true
+    }
+
+    /// What each cause that is not put in explains of the rest.
+    fn evidence(&self) -> Vec<Option<Evidence>> {
+        let test = |k: usize| {
+            let found = if self.put_in.contains(&k) { None } else { self.residual.test(k) };
+            found.filter(|f| self.residual.candidates[k].cause.is_plausible(f))
+        };
+        in_parallel(self.residual.candidates.len(), self.threads, test)
+    }
+
+    /// Whether two causes are different errors.
+    fn is_other(&self, k: usize, best: usize) -> bool {
+        k != best && !self.residual.candidates[k].cause.is_part_of(&self.residual.candidates[best].cause)
+    }
 }
 
 /// log10 of the probability below which a cause is named in these recordings.
@@ -188,6 +220,23 @@ fn moved(residual: &Residual, problem: &Problem, candidate: usize, found: &Evide
         .filter(|(_, deviations)| deviations.abs() > MOVED)
         .map(|(p, deviations)| MovedParameter { parameter: p.name.clone(), deviations })
         .collect();
-    moved.sort_by(|a, b| b.deviations.abs().total_cmp(&a.deviations.abs()));
+    sort_by_distance(&mut moved);
     moved
+}
+
+/// Each parameter with the larger of two shifts: the recordings do not say which of two rivals moved it.
+fn furthest(mut all: Vec<MovedParameter>, others: Vec<MovedParameter>) -> Vec<MovedParameter> {
+    for other in others {
+        match all.iter_mut().find(|m| m.parameter == other.parameter) {
+            Some(same) if same.deviations.abs() < other.deviations.abs() => *same = other,
+            Some(_) => {}
+            None => all.push(other),
+        }
+    }
+    sort_by_distance(&mut all);
+    all
+}
+
+fn sort_by_distance(moved: &mut [MovedParameter]) {
+    moved.sort_by(|a, b| b.deviations.abs().total_cmp(&a.deviations.abs()));
 }

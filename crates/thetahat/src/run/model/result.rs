@@ -1,0 +1,135 @@
+//! The model that was chosen, as it is written.
+
+use super::{
+    causes::{FoundCauses, causes},
+    choice::Choice,
+    errors::{Speeds, errors},
+    intervals::{Intervals, widened},
+    rows::ModelRows,
+    variant::Variant,
+};
+use crate::preparation::PreparationError;
+use thetahat_estimation::identification::Method;
+use thetahat_ground::linear_algebra::Matrix;
+use thetahat_model::{
+    base_parameters::BaseParameter,
+    consistency::{BaseKnowledge, ConsistentSet, bounds_of, interval_in, knowledge_of_base, stated_links},
+    robot::Parameter,
+};
+use thetahat_report::results::{ModelError, ModelParameter, ModelResult, ModelStandardParameter, RunResult};
+
+/// The law of friction that was chosen, with its rows.
+pub(super) struct ChosenLaw<'v, 'a> {
+    pub(super) variant: &'v Variant<'a>,
+    pub(super) transition: f64,
+    pub(super) rows: &'v ModelRows,
+}
+
+impl ChosenLaw<'_, '_> {
+    /// The model, with its error on the recordings that were held back.
+    pub(super) fn model(&self, choice: &Choice, runs: &[RunResult]) -> Result<ModelResult, PreparationError> {
+        let held_back = self.error_on_held_back(choice)?;
+        Ok(ModelResult { held_back, ..self.fitted(choice, runs) })
+    }
+
+    fn error_on_held_back(&self, choice: &Choice) -> Result<Option<ModelError>, PreparationError> {
+        let Variant { identification, problem, .. } = self.variant;
+        let validation = &identification.validation;
+        let has_torque = validation.iter().all(|p| p.filtered.recording.torque.is_some());
+        if validation.is_empty() || !has_torque {
+            return Ok(None);
+        }
+        let rows = ModelRows::new(identification.setup(), validation, problem, self.transition)?;
+        let speeds = Speeds::new(validation, &rows, self.transition);
+        let prediction = rows.x.times(&problem.base.from_standard(&choice.standard));
+        Ok(Some(errors(&rows, &prediction, None, &speeds)))
+    }
+
+    fn fitted(&self, choice: &Choice, runs: &[RunResult]) -> ModelResult {
+        let Self { variant: Variant { identification, problem, set, terms, .. }, transition, rows } = *self;
+        let theta = problem.base.from_standard(&choice.standard);
+        let speeds = Speeds::new(&identification.main, rows, transition);
+        let guessed = stated_links(identification.setup().robot);
+        let found = (&choice.standard[..], &choice.deviations[..], transition);
+        let FoundCauses { causes, smallest_shown, delay } = causes(identification, problem, rows, &speeds, found);
+        let knowledge = knowledge_of_base(set, &choice.data, choice.weight, &problem.base).ok();
+        // The runs are of the robot without the terms.
+        let runs = if terms.is_empty() { runs } else { &[] };
+        let intervals = Intervals::new(&rows.without(&speeds.turning), &choice.deviations, delay, runs);
+        let mut parameters = self.parameters(&theta, knowledge.as_ref(), &intervals);
+        parameters
+            .iter_mut()
+            .for_each(|p| p.interval_95 = p.interval_95.map(|interval| widened(interval, &p.name, &causes)));
+        ModelResult {
+            method: Method::IDIM_WLS,
+            belief_weight: choice.weight,
+            belief_percent: 100.0 * (2.0 / choice.weight).sqrt(),
+            guessed_links: (0..guessed.len()).filter(|k| !guessed[*k]).map(|k| k + 1).collect(),
+            friction_transition: transition,
+            terms: terms.to_vec(),
+            candidates: choice.candidates.clone(),
+            fit: errors(rows, &rows.x.times(&theta), None, &speeds),
+            held_back: None,
+            unseen: choice.unseen.as_ref().map(|unseen| errors(rows, &unseen.prediction, Some(&unseen.seen), &speeds)),
+            causes,
+            smallest_shown,
+            uses: Vec::new(),
+            parameters,
+            covariance: knowledge.map(|k| lower_triangle(&k.covariance, &theta)).unwrap_or_default(),
+            standard: standard_parameters(set, &choice.standard),
+            seconds: 0.0,
+        }
+    }
+
+    fn parameters(
+        &self,
+        theta: &[f64],
+        knowledge: Option<&BaseKnowledge>,
+        intervals: &Intervals,
+    ) -> Vec<ModelParameter> {
+        let Variant { problem, set, .. } = self.variant;
+        let a_priori = problem.base.from_standard(set.a_priori());
+        let decided = knowledge.map_or_else(|| vec![0.0; theta.len()], BaseKnowledge::decided_percent);
+        let truth = self.truth();
+        let parameter = |(i, p): (usize, &BaseParameter)| ModelParameter {
+            name: p.name.clone(),
+            unit: p.unit.to_string(),
+            expression: p.expression.clone(),
+            value: theta[i],
+            a_priori: a_priori[i],
+            decided_percent: decided[i],
+            interval_95: intervals.of(i, &p.name).map(|interval| interval_in(bounds_of(set, p), interval, theta[i])),
+            true_value: truth.as_ref().map(|truth| truth[i]),
+        };
+        problem.base.parameters().iter().enumerate().map(parameter).collect()
+    }
+
+    /// The true base parameters of a simulated robot that has no more terms than the described one.
+    fn truth(&self) -> Option<Vec<f64>> {
+        let Variant { identification, problem, terms, .. } = self.variant;
+        let truth = identification.main.first()?.filtered.recording.truth.as_ref()?;
+        let is_of_model = terms.is_empty() && problem.base.agrees_with_fixed(truth);
+        is_of_model.then(|| problem.base.from_standard(truth))
+    }
+}
+
+/// Deviation of a parameter whose value is given, over the value or over one: next to none, so that the covariance stays regular.
+const OF_GIVEN: f64 = 1e-9;
+
+/// The lower triangle of a covariance, row by row.
+fn lower_triangle(covariance: &Matrix, values: &[f64]) -> Vec<f64> {
+    let least = |i: usize| (OF_GIVEN * values[i].abs().max(1.0)).powi(2);
+    let entry = |i: usize, j: usize| if i == j { covariance.at(i, i) + least(i) } else { covariance.at(i, j) };
+    (0..covariance.rows()).flat_map(|i| (0..=i).map(move |j| entry(i, j))).collect()
+}
+
+fn standard_parameters(set: &ConsistentSet, standard: &[f64]) -> Vec<ModelStandardParameter> {
+    let parameters = set.parameter_table().iter().zip(standard).zip(set.believed());
+    let parameter = |((p, value), a_priori): ((&Parameter, &f64), f64)| ModelStandardParameter {
+        name: p.name(),
+        unit: p.unit.to_string(),
+        value: *value,
+        a_priori,
+    };
+    parameters.map(parameter).collect()
+}
