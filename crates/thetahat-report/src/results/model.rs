@@ -325,6 +325,9 @@ pub struct ModelCause {
     /// Base parameters that it moves by more than their standard deviation, the furthest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub moved: Vec<MovedParameter>,
+    /// Whether the model has a torque term for it: the description is wrong in it, the model is not.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub in_model: bool,
 }
 
 impl ModelCause {

@@ -194,7 +194,8 @@ fn friction_that_the_description_lacks_is_a_term_of_the_model() {
     assert_eq!(model.terms, [load], "{:?}", model.candidates);
     let value = |name: &str| model.parameters.iter().find(|p| p.name == name).unwrap().value;
     assert!((value("fl2") / 0.1 - 1.0).abs() < 0.2 && (value("fl3") / 0.1 - 1.0).abs() < 0.2, "{:?}", model.parameters);
-    assert!(!model.causes.iter().any(|c| c.kind == CauseKind::LoadFriction), "{:?}", model.causes);
+    let cause = model.causes.iter().find(|c| c.kind == CauseKind::LoadFriction).unwrap();
+    assert!(cause.in_model && results.verdict == Some(Verdict::Care), "{:?}", results.verdict_reasons);
 
     let error = |method| {
         let request = EstimateRequest { method, untrusted: true, ..EstimateRequest::default() };

@@ -117,7 +117,11 @@ fn causes(model: &ModelResult) -> Option<Table> {
             c.size_in_words().unwrap_or_else(|| NONE.to_owned()),
             format!("1e{:.0}", c.log10_probability),
             significant(c.error_percent, 2),
-            if moved.is_empty() { NONE.to_owned() } else { moved.join(" ") },
+            match moved.as_slice() {
+                [] if c.in_model => "nothing: a term of the model".to_owned(),
+                [] => NONE.to_owned(),
+                moved => moved.join(" "),
+            },
         ]
     };
     let rivals = model

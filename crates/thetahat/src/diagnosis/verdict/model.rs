@@ -135,8 +135,9 @@ fn cause(results: &Results, found: &ModelCause) -> Option<VerdictReason> {
     };
     let moved: Vec<&str> = found.moved.iter().take(4).map(|m| m.parameter.as_str()).collect();
     let moved = if moved.is_empty() { String::new() } else { format!("; it moved {}", moved.join(", ")) };
+    let in_model = if found.in_model { "; the model has a torque term for it, the description has none" } else { "" };
     let seen = format!(
-        "The residual shows {}{size} (chance: 1e{:.0}){rivals}{moved}",
+        "The residual shows {}{size} (chance: 1e{:.0}){rivals}{moved}{in_model}",
         found.kind.with_subject(&found.subject),
         found.log10_probability
     );
@@ -147,11 +148,15 @@ fn cause(results: &Results, found: &ModelCause) -> Option<VerdictReason> {
     ];
     let parameter = found.moved.first().map(|m| m.parameter.clone());
     let subject = ReasonSubject { parameter, ..ReasonSubject::default() };
-    Some(reason(ReasonCode::Cause, verdict, &numbers, subject, ReasonText::new(seen, remedy(found))))
+    Some(reason(ReasonCode::Cause, verdict, &numbers, subject, ReasonText::new(seen, remedy(results, found))))
 }
 
-fn remedy(found: &ModelCause) -> String {
+fn remedy(results: &Results, found: &ModelCause) -> String {
+    let terms = results.model.iter().flat_map(|model| model.kinds_of_terms()).collect::<Vec<_>>();
     match found.kind {
+        CauseKind::LoadFriction | CauseKind::SpeedFriction if found.in_model => {
+            format!("add the model's [[term]] to the experiment, kind {}", terms.join(" and "))
+        }
         CauseKind::LateTorque => "set delay_s of the torque as the finding lag says".to_owned(),
         CauseKind::EncoderZero => format!("check the zero of {} against the description", found.subject),
         CauseKind::GearRatio => format!("check the gear ratio of {}", found.subject),

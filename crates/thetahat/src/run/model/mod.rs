@@ -24,7 +24,7 @@ use friction_terms::friction_terms;
 use result::ChosenLaw;
 use thetahat_ground::clock::Stopwatch;
 use thetahat_model::robot::JointKind;
-use thetahat_report::results::{ModelResult, RunResult};
+use thetahat_report::results::{CauseKind, ModelCause, ModelResult, RunResult};
 use variant::{Variant, WithTerms};
 
 /// Velocities v of `tanh(dq / v)`, the sign of the Coulomb friction, rad/s; the first is the default.
@@ -64,7 +64,9 @@ impl Identification {
         if variants.len() > 1
             && let Some(choice) = self.choose(&variants, choice.found)
         {
+            let described = std::mem::take(&mut model.causes);
             model = law_of(&variants, choice.law).model(&choice, runs)?;
+            add_causes_in_model(&mut model, described);
         }
         model.seconds = stopwatch.seconds();
         Ok(Ok(model))
@@ -97,6 +99,29 @@ impl Identification {
         let slides = self.setup().robot.coordinates().all(|joint| joint.kind == JointKind::Prismatic);
         TRANSITIONS.map(|v| if slides { v / SLIDING } else { v }).to_vec()
     }
+}
+
+/// Adds the causes of the robot as described for which the model has a term.
+fn add_causes_in_model(model: &mut ModelResult, described: Vec<ModelCause>) {
+    let has_term = |cause: &ModelCause| match cause.kind {
+        CauseKind::LoadFriction | CauseKind::SpeedFriction => !model.causes.iter().any(|c| c.kind == cause.kind),
+        CauseKind::LateTorque
+        | CauseKind::EncoderZero
+        | CauseKind::GearRatio
+        | CauseKind::Elasticity
+        | CauseKind::Length
+        | CauseKind::Coupling
+        | CauseKind::FrictionDrift
+        | CauseKind::Payload => false,
+    };
+    if model.terms.is_empty() {
+        return;
+    }
+    let in_model = described.into_iter().filter(has_term);
+    let in_model: Vec<ModelCause> =
+        in_model.map(|cause| ModelCause { in_model: true, moved: Vec::new(), ..cause }).collect();
+    model.causes.extend(in_model);
+    model.causes.sort_by(|a, b| a.log10_probability.total_cmp(&b.log10_probability));
 }
 
 /// The law of a number, counted over all variants.

@@ -185,6 +185,7 @@ impl Evidence {
             error_percent: self.error_percent,
             rivals,
             moved: Vec::new(),
+            in_model: false,
         }
     }
 }
