@@ -1,10 +1,12 @@
 //! From recorded logs to estimates by `init` and `identify`, with no edit between them.
 
+mod field;
+
 use libtest_mimic::{Arguments, Failed};
 use thetahat::{Results, identification::Status};
 use thetahat_testing::{Folder, data, ensure, project, run, succeeded, trials_on_shared_data};
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_thetahat");
+pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_thetahat");
 
 /// Runs `init` on some recordings of the shared data, and then `identify` as it is told to.
 fn identified(robot: &str, recordings: &[&str], more: &[&str]) -> Result<Results, Failed> {
@@ -49,6 +51,7 @@ fn tx40() -> Result<(), Failed> {
 
 fn main() {
     let files = ["datasets/kuka_lwr4", "datasets/ur10", "datasets/tx40"];
-    let trials = trials_on_shared_data(&files, vec![("lwr4", lwr4), ("ur10", ur10), ("tx40", tx40)]);
+    let mut trials = trials_on_shared_data(&files, vec![("lwr4", lwr4), ("ur10", ur10), ("tx40", tx40)]);
+    trials.extend(field::trials());
     libtest_mimic::run(&Arguments::from_args(), trials).exit()
 }

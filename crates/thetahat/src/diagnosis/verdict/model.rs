@@ -148,7 +148,9 @@ fn cause(results: &Results, found: &ModelCause) -> Option<VerdictReason> {
     ];
     let parameter = found.moved.first().map(|m| m.parameter.clone());
     let subject = ReasonSubject { parameter, ..ReasonSubject::default() };
-    Some(reason(ReasonCode::Cause, verdict, &numbers, subject, ReasonText::new(seen, remedy(results, found))))
+    let or = if found.rivals.is_empty() { "" } else { ", and what the recordings do not separate from it" };
+    let said = ReasonText::new(seen, format!("{}{or}", remedy(results, found)));
+    Some(reason(ReasonCode::Cause, verdict, &numbers, subject, said))
 }
 
 fn remedy(results: &Results, found: &ModelCause) -> String {

@@ -8,7 +8,7 @@ use crate::experiment::column_names;
 pub enum ProposalError {
     /// The columns of a signal are not clear.
     #[error(
-        "{}: the columns of the {signal} are not clear from their names: {problem}; expected one for each joint, {joints} in all; \
+        "{}: the columns of the {signal} are not clear: {problem}; expected one for each joint, {joints} in all; \
          the columns are: {}{}",
         file.display(), columns.join(" "), without_torques(signal, columns)
     )]

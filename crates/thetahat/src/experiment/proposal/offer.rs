@@ -88,7 +88,7 @@ pub(super) fn offers<'a>(
         Offer {
             source: *source,
             position: or_found(&position, Signal::Position),
-            torque: or_found(&torque, Signal::Torque),
+            torque: or_found(&torque, Signal::Torque).and_then(without_void),
             velocity: found(Signal::Velocity).ok(),
             reference: found(Signal::Reference).ok(),
         }
@@ -104,6 +104,15 @@ fn of_joints<'a>(source: &Source<'a>, joints: &JointsOfLog, signal: Signal) -> R
         Some(_) => columns::by_name(source, &joints.whole, signal).map(|columns| joints.left(columns)),
         None => Err(problem),
     })
+}
+
+/// The columns, if each has a finite number.
+fn without_void(columns: Vec<SelectedColumn<'_>>) -> Result<Vec<SelectedColumn<'_>>, String> {
+    let void = columns.iter().find(|column| column.is_void());
+    match void {
+        Some(void) => Err(format!("no sample of column `{}` is a finite number", void.name)),
+        None => Ok(columns),
+    }
 }
 
 /// The table with the most columns of the signals needed, the first of equals.

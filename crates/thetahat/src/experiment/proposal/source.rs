@@ -25,6 +25,11 @@ impl<'a> SelectedColumn<'a> {
         Self { name: column.name.clone(), channels: &column.statistics, in_rows: column.in_rows }
     }
 
+    /// Whether a channel has no sample that is a finite number, as efforts that a driver does not know.
+    pub(super) fn is_void(&self) -> bool {
+        self.channels.iter().any(|channel| channel.min.is_none())
+    }
+
     /// Its channels, each by itself: `name[3]` of a matrix.
     pub(super) fn each(&self) -> impl Iterator<Item = Self> + use<'a> {
         let (name, is_one, in_rows) = (self.name.clone(), self.channels.len() == 1, self.in_rows);

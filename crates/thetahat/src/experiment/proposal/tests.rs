@@ -64,7 +64,7 @@ fn names_that_are_not_clear_are_not_guessed() {
 fn the_columns_that_look_like_a_signal_are_counted() {
     let said = |header| proposed(header, request()).unwrap_err().to_string();
     let none = said("t,q1,q2,c1,c2");
-    assert!(none.contains("are not clear from their names: no column looks like it; expected"), "{none}");
+    assert!(none.contains("are not clear: no column looks like it; expected"), "{none}");
     let one = said("t,q1,q2,tau1,c2");
     assert!(one.contains("1 column looks like it (tau1); "), "{one}");
     let three = said("t,q1,q2,tau1,tau2,tau3");
