@@ -47,6 +47,10 @@ pub struct DesignResults {
     pub starts: Vec<SearchResult>,
     /// The limits, each joint's in the order of [`Limited::ALL`].
     pub limits: Vec<LimitUse>,
+    /// Joints whose a-priori friction is zero: executed torques are larger than the designed ones.
+    pub without_friction: Vec<String>,
+    /// Joints whose a-priori motor inertia is zero.
+    pub without_motor_inertia: Vec<String>,
     /// The prediction for each parameter.
     pub predicted: Vec<PredictedParameter>,
     /// Name of the method of the prediction.

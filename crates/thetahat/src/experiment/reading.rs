@@ -10,6 +10,7 @@ use super::{
 };
 use crate::preparation::{PreparationError, Recording, unwrap};
 use thetahat_data::recording::{self, ChannelSource, Clock, Dimension, RecordingError, Side};
+use thetahat_estimation::identification::Response;
 use thetahat_ground::series::Series;
 
 /// Largest difference of the channels' times in a sample of a long table, in steps.
@@ -33,6 +34,7 @@ impl Experiment {
         }
         let velocity = optional(&description.velocity, &|s| self.read_joint_velocities(s, data))?;
         let reference = optional(&description.reference, &|s| self.read_joint_positions(s, data))?;
+        let (reference, notes) = self.reference_of_recording(description, data, reference, &position);
         let added_signal = optional(&description.added_signal, &|s| self.read_channels(s, data))?;
         for (signal, source, series) in [
             ("torque", description.torque.as_ref(), torque.as_ref()),
@@ -52,6 +54,7 @@ impl Experiment {
             reference,
             added_signal,
             channels,
+            notes,
             ..Recording::without_torque(1.0, position)
         };
         let (read, times) = with_samples_once(read, times);
@@ -65,6 +68,32 @@ impl Experiment {
             Some(correction) => recording.with_corrected_reference(correction),
             None => recording,
         })
+    }
+
+    /// The reference, unless it is a planned motion in a file of its own that the recording does not follow sample by sample: a
+    /// logger starts before the robot, and has a clock of its own. Torques are fitted without it, which a note says.
+    fn reference_of_recording(
+        &self,
+        description: &RecordingDescription,
+        data: &Path,
+        reference: Option<Series>,
+        position: &Series,
+    ) -> (Option<Series>, Vec<String>) {
+        let Some((source, series)) = description.reference.as_ref().zip(reference.as_ref()) else {
+            return (reference, Vec::new());
+        };
+        let fits_positions = self.settings.all_methods().into_iter().any(|m| m.response() != Response::Torque);
+        let has_own_file = source.path(data) != description.position.path(data);
+        if fits_positions || !has_own_file || series.len() == position.len() {
+            return (reference, Vec::new());
+        }
+        let note = format!(
+            "the reference has {} samples, the positions have {}: it was left out, as the two have not one clock; record both in \
+             one file",
+            series.len(),
+            position.len()
+        );
+        (None, vec![note])
     }
 
     /// Reads a motion whose torques were not recorded.

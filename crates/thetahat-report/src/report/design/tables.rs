@@ -55,6 +55,7 @@ pub(in crate::report) fn conclusions(results: &DesignResults) -> Vec<String> {
         lines.push(format!("Not distinguishable from zero: {}.", unknown.join(", ")));
         lines.extend(remedy(results));
     }
+    lines.extend(without_drives(results));
     lines.extend(results.limits.iter().max_by(|a, b| a.part.total_cmp(&b.part)).map(|worst| {
         format!(
             "No limit is exceeded at 1 kHz; the closest is the {} of {}, used to {:.1} % at {:.3} s.",
@@ -73,10 +74,36 @@ pub(in crate::report) fn conclusions(results: &DesignResults) -> Vec<String> {
     }));
     lines.extend(results.payload.iter().map(payload));
     lines.extend(results.collision.iter().flat_map(nearness));
+    if results.collision.is_none() {
+        lines.push(NOT_CHECKED.to_owned());
+    }
     lines.extend(results.compared.iter().map(|[title, method]| narrower(results, title, method)));
     let best = results.starts.first().map(|s| s.found);
     lines.extend(results.repeated.zip(best).map(|(repeated, best)| repetition(repeated, best)));
     lines
+}
+
+/// What a design without shapes does not check, and how to.
+const NOT_CHECKED: &str = "Not checked: whether the robot touches itself, the floor or what stands around it. With [collision] margin = 50 and \
+     [[collision.obstacles]] kind = \"plane\", name = \"floor\", normal = [0, 0, 1] its links stay 50 mm above the floor.";
+
+/// The joints whose torques will be larger than designed.
+fn without_drives(results: &DesignResults) -> Option<String> {
+    let named =
+        |joints: &[String]| joints.iter().map(|joint| visible(joint).into_owned()).collect::<Vec<_>>().join(" ");
+    let lacks = [("friction", &results.without_friction), ("motor inertia", &results.without_motor_inertia)];
+    let lacks: Vec<String> = lacks
+        .into_iter()
+        .filter(|(_, joints)| !joints.is_empty())
+        .map(|(what, joints)| format!("no {what} ({})", named(joints)))
+        .collect();
+    (!lacks.is_empty()).then(|| {
+        format!(
+            "The a-priori robot has {}: executed torques will be larger than designed ones. State fv, fc and ia in [parameters] of \
+             the robot, or leave room in [limits] torque.",
+            lacks.join(" and ")
+        )
+    })
 }
 
 /// Recording time until the intervals exclude zero, with this motion and with one designed for such parameters alone.

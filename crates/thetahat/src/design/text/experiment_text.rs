@@ -87,10 +87,11 @@ fn settings(design: &Design) -> String {
     if !tables.contains_key("estimation") {
         let other = if design.payload().is_some() { "idim-ls" } else { "idim-iv" };
         let methods = toml::Value::from(vec!["idim-wls", other]);
-        tables.insert(
-            "estimation".to_owned(),
-            toml::Value::Table([("methods".to_owned(), methods)].into_iter().collect()),
-        );
+        // The intervals are predicted for rows that are weighted by joint.
+        let weighting: toml::Table = [(other.to_owned(), toml::Value::from("per-joint"))].into_iter().collect();
+        let weighting = toml::Value::Table(weighting);
+        let estimation = [("methods".to_owned(), methods), ("weighting".to_owned(), weighting)];
+        tables.insert("estimation".to_owned(), toml::Value::Table(estimation.into_iter().collect()));
     }
     tables.to_string()
 }

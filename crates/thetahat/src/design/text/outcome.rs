@@ -9,6 +9,7 @@ use crate::design::{
 use thetahat_model::{
     base_parameters::{BaseParameter, BaseParameters},
     dynamics::Model,
+    robot::Role,
 };
 use thetahat_report::results::{
     DesignResults, JointResult, PredictedGain, PredictedParameter, PredictedPayload, SearchResult,
@@ -69,12 +70,26 @@ impl Design {
                 .map(|s| SearchResult { first: s.first_value, found: s.value, steps: s.steps })
                 .collect(),
             limits: uses,
+            without_friction: self.joints_without(|role| matches!(role, Role::ViscousFriction | Role::CoulombFriction)),
+            without_motor_inertia: self.joints_without(|role| role == Role::MotorInertia),
             predicted,
             method: predicted_method(&self.settings).name().to_owned(),
             is_closed_loop: self.settings.controller.is_some(),
             half_width_percent: self.file.wanted.half_width_percent,
             experiment: experiment_text(self, model)?,
         })
+    }
+
+    /// The joints that move of which the a-priori robot has no parameter of a kind, or zero.
+    fn joints_without(&self, is_meant: impl Fn(Role) -> bool) -> Vec<String> {
+        let theta = self.robot.a_priori_parameters();
+        let table = self.robot.parameter_table();
+        let has_any = |joint: usize| {
+            let own = table.iter().zip(&theta).filter(|(p, _)| p.number == joint + 1 && is_meant(p.quantity.role()));
+            own.map(|(_, value)| value.abs()).sum::<f64>() > 0.0
+        };
+        let joints = self.robot.coordinate_joints().into_iter().filter(|joint| !has_any(*joint));
+        joints.map(|joint| self.robot.joints[joint].name.clone()).collect()
     }
 
     /// The prediction for each parameter.

@@ -3,14 +3,13 @@
 use std::collections::HashMap;
 
 use super::{
-    folds::{FOLDS, ModelFolds},
+    deviations::{long_run_deviation, mean, mean_and_error, rms, weighted},
+    folds::ModelFolds,
     rows::ModelRows,
+    whitened::Whitened,
 };
 use thetahat_estimation::statistics::repeated_widening;
-use thetahat_ground::{
-    linear_algebra::{Matrix, dot, norm},
-    pool::in_parallel,
-};
+use thetahat_ground::{linear_algebra::dot, pool::in_parallel};
 use thetahat_model::{
     base_parameters::BaseParameters,
     consistency::{ConsistentSet, LeastSquares, Prior, fit_within},
@@ -166,86 +165,6 @@ impl Choosing<'_> {
     }
 }
 
-/// Deviations of all joints that lie between their own and the one that they have in common.
-fn weighted(deviations: &[f64], power: f64) -> Vec<f64> {
-    let common = rms(deviations);
-    deviations.iter().map(|own| own.powf(power) * common.powf(1.0 - power)).collect()
-}
-
-fn rms(values: &[f64]) -> f64 {
-    norm(values) / (values.len().max(1) as f64).sqrt()
-}
-
-/// The deviation of the mean of a series times the root of its length: widened by its autocorrelation with Bartlett's
-/// weights (Newey and West, 1987).
-fn long_run_deviation(residual: &[f64]) -> f64 {
-    let count = residual.len();
-    let mean = residual.iter().sum::<f64>() / count.max(1) as f64;
-    let centred: Vec<f64> = residual.iter().map(|e| e - mean).collect();
-    let variance = dot(&centred, &centred);
-    if variance == 0.0 {
-        return rms(residual);
-    }
-    let lags = ((4.0 * (count as f64 / 100.0).powf(2.0 / 9.0)) as usize + 4).min(count - 1);
-    let part = |k: usize| (1.0 - k as f64 / (lags + 1) as f64) * dot(&centred[k..], &centred[..count - k]) / variance;
-    let widening = 1.0 + 2.0 * (1..=lags).map(part).sum::<f64>();
-    rms(residual) * widening.max(1.0).sqrt()
-}
-
-/// Whitened rows of one law: triangular factors of each part, and of the rows that belong to none.
-struct Whitened {
-    x: Matrix,
-    y: Vec<f64>,
-    /// Deviation by which each row is divided, over the one in which errors are compared.
-    part: Vec<f64>,
-    /// The factor of `[X y]` of each part; the last is that of the rows near borders.
-    factors: Vec<Matrix>,
-    /// The part of each row.
-    of_row: Vec<usize>,
-}
-
-impl Whitened {
-    fn new(rows: &ModelRows, folds: &ModelFolds, compared: &[f64], deviations: &[f64]) -> Self {
-        let part = rows.layout.spread(|block| deviations[block.joint] / compared[block.joint]);
-        let scale: Vec<f64> = rows.layout.spread(|block| 1.0 / deviations[block.joint]);
-        let scale: Vec<f64> = scale.iter().zip(&rows.weights).map(|(s, w)| s * w).collect();
-        let x = rows.x.scale_rows(&scale);
-        let y: Vec<f64> = rows.y.iter().zip(&scale).map(|(y, s)| y * s).collect();
-        let per_joint = folds.of_row.len();
-        let of_row: Vec<usize> = (0..y.len()).map(|k| folds.of_row[k % per_joint].unwrap_or(FOLDS)).collect();
-        let right = Matrix::from_fn(y.len(), 1, |k, _| y[k]);
-        let both = Matrix::side_by_side(&[&x, &right]);
-        let factor = |part: usize| {
-            let keep: Vec<bool> = of_row.iter().map(|p| *p == part).collect();
-            both.select_rows(&keep).triangular_factor()
-        };
-        Self { factors: (0..=FOLDS).map(factor).collect(), x, y, part, of_row }
-    }
-
-    /// The least squares of all rows.
-    fn all(&self, law: &Law) -> Option<LeastSquares> {
-        let parts: Vec<&Matrix> = self.factors.iter().filter(|f| f.rows() > 0).collect();
-        least_squares(&parts, law)
-    }
-
-    /// Those without some parts, and without the rows near borders.
-    fn without(&self, out: &[usize], law: &Law) -> Option<LeastSquares> {
-        let kept = (0..FOLDS).filter(|part| !out.contains(part)).map(|part| &self.factors[part]);
-        least_squares(&kept.filter(|f| f.rows() > 0).collect::<Vec<_>>(), law)
-    }
-
-    fn rows_of(&self, part: usize) -> impl Iterator<Item = usize> + '_ {
-        (0..self.y.len()).filter(move |k| self.of_row[*k] == part)
-    }
-}
-
-fn least_squares(parts: &[&Matrix], law: &Law) -> Option<LeastSquares> {
-    let factor = Matrix::stack(parts).triangular_factor();
-    let columns = factor.columns() - 1;
-    let r = factor.select_columns(&(0..columns).collect::<Vec<_>>());
-    LeastSquares::in_base(&r, factor.column(columns).to_vec(), law.base, law.set.parameter_table().len()).ok()
-}
-
 /// A candidate fitted without some parts.
 type Fitted = (Candidate, Vec<usize>);
 
@@ -376,40 +295,4 @@ fn left_out(part: usize, kept_out: Option<usize>) -> Vec<usize> {
     let mut out: Vec<usize> = [part].into_iter().chain(kept_out).collect();
     out.sort_unstable();
     out
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
-}
-
-/// Mean of the differences of two lists, and its standard error.
-fn mean_and_error(of: &[f64], from: &[f64]) -> [f64; 2] {
-    let differences: Vec<f64> = of.iter().zip(from).map(|(a, b)| a - b).collect();
-    let (centre, count) = (mean(&differences), differences.len() as f64);
-    let spread: f64 = differences.iter().map(|d| (d - centre).powi(2)).sum();
-    [centre, (spread / (count - 1.0).max(1.0) / count).sqrt()]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_mean_difference_has_its_standard_error() {
-        let [mean, error] = mean_and_error(&[1.0, 2.0, 3.0], &[0.0, 0.0, 0.0]);
-        assert!((mean - 2.0).abs() < 1e-15 && (error - (1.0_f64 / 3.0).sqrt()).abs() < 1e-15);
-    }
-
-    #[test]
-    fn a_series_that_holds_each_value_twice_has_a_larger_deviation_of_its_mean() {
-        let mut state = 1_u64;
-        let mut next = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) as f64 / (1_u64 << 31) as f64 - 0.5
-        };
-        let white: Vec<f64> = (0..400).map(|_| next()).collect();
-        let held: Vec<f64> = white.iter().flat_map(|v| [*v, *v]).collect();
-        assert!(long_run_deviation(&held) > 1.2 * long_run_deviation(&white));
-        assert_eq!(long_run_deviation(&[0.0; 8]), 0.0);
-    }
 }

@@ -8,6 +8,7 @@
 mod beliefs;
 mod causes;
 mod choice;
+mod deviations;
 mod errors;
 mod folds;
 mod friction_terms;
@@ -15,6 +16,7 @@ mod intervals;
 mod result;
 mod rows;
 mod variant;
+mod whitened;
 
 use super::identification::Identification;
 use crate::preparation::{PreparationError, Problem};

@@ -167,10 +167,10 @@ fn smallest_shown(residual: &Residual, candidate: usize, named_below: f64) -> Op
         | CauseKind::FrictionDrift
         | CauseKind::Payload => return None,
     }
-    let [_, deviation] = residual.test(candidate)?.size?;
-    let size = residual::deviations_beyond(named_below, 1) * deviation;
-    let with_others = residual.deviation_with_others(candidate);
-    let with_others = with_others.map(|(deviation, count)| residual::deviations_beyond(named_below, count) * deviation);
+    residual.test(candidate)?.size?;
+    let size = residual.size_beyond(residual.column(candidate), named_below, 1)?;
+    let with_others = residual.column_with_others(candidate);
+    let with_others = with_others.and_then(|(column, count)| residual.size_beyond(&column, named_below, count));
     (size < LARGEST).then(|| SmallestShown {
         kind: cause.kind,
         subject: cause.subject.clone(),

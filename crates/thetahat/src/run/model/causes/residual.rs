@@ -3,7 +3,8 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::cause::Cause;
-use crate::run::model::rows::ModelRows;
+use crate::run::model::{deviations::long_run_deviation, rows::ModelRows};
+use thetahat_estimation::regression::RowLayout;
 use thetahat_ground::linear_algebra::{Matrix, PivotedQr, dot, norm};
 
 /// Pivots below this part of the largest are of columns that the motion does not separate.
@@ -14,6 +15,10 @@ const SEEN: f64 = 1e-6;
 const OWN_RANK: f64 = 1e-3;
 /// Least correlation of an instrument with its column.
 const STRONG: f64 = 0.3;
+/// Largest size of a hidden error over the one that a residual without it would show.
+const MOST_HIDDEN: f64 = 10.0;
+/// Halvings between the two.
+const HALVINGS: usize = 30;
 /// The least probability that is distinguished from zero.
 const LEAST: f64 = 1e-300;
 
@@ -23,6 +28,7 @@ pub(super) struct Residual {
     rest: Vec<f64>,
     /// Norm of the whitened torques.
     torque: f64,
+    layout: RowLayout,
     pub(super) candidates: Vec<Candidate>,
 }
 
@@ -70,7 +76,7 @@ impl Residual {
                 Candidate { columns: outside_all(&explained, &whitened), whitened, sizes, cause, instrument }
             })
             .collect();
-        (torque > 0.0).then_some(Self { factor, rank, rest, torque, candidates })
+        (torque > 0.0).then_some(Self { factor, rank, rest, torque, layout: rows.layout.clone(), candidates })
     }
 
     /// What a cause explains of the residual; none if no motion of the recordings shows it.
@@ -114,16 +120,44 @@ impl Residual {
         size.is_finite().then_some(evidence)
     }
 
-    /// Deviation of a cause's size where others of its kind may be there too, and how many they are with it; none if it is
+    /// The size of an error of one column with which its evidence is so small by chance in one of two recordings; none where the
+    /// deviations of the residual grow as fast as the error.
+    pub(super) fn size_beyond(&self, column: &[f64], log10_p: f64, count: usize) -> Option<f64> {
+        let wanted = deviations_beyond(log10_p, count).powi(2);
+        let of_joint = |c: &Vec<f64>| [dot(c, c), long_run_deviation(c).powi(2)];
+        let joints: Vec<[f64; 2]> = self.layout.by_joint(column).iter().map(of_joint).collect();
+        // The error is in the residual whose deviations whiten the rows.
+        let evidence = |size: f64| {
+            let square = size * size;
+            joints.iter().map(|[explained, added]| square * explained / (1.0 + square * added)).sum::<f64>()
+        };
+        let least = wanted.sqrt() / norm(column);
+        let (mut low, mut high) = (least, MOST_HIDDEN * least);
+        if evidence(high) < wanted {
+            return None;
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if evidence(middle) < wanted { low = middle } else { high = middle }
+        }
+        Some(high)
+    }
+
+    /// The column of a cause of one number, outside what is explained.
+    pub(super) fn column(&self, candidate: usize) -> &[f64] {
+        self.candidates[candidate].columns.column(0)
+    }
+
+    /// The column of a cause outside others of its kind, which may be there too, and how many they are with it; none if it is
     /// alone or the motion does not separate it from them.
-    pub(super) fn deviation_with_others(&self, candidate: usize) -> Option<(f64, usize)> {
+    pub(super) fn column_with_others(&self, candidate: usize) -> Option<(Vec<f64>, usize)> {
         let together = self.candidates.iter().find(|c| c.cause.members.contains(&candidate))?;
         let others: Vec<usize> = together.cause.members.iter().copied().filter(|&k| k != candidate).collect();
         let columns: Vec<f64> = others.iter().flat_map(|&k| self.candidates[k].columns.column(0).to_vec()).collect();
         let factor = PivotedQr::with_equal_columns(&Matrix::from_columns(self.rest.len(), columns));
-        let own = self.candidates[candidate].columns.column(0);
-        let rest = norm(&outside(&leading(&factor, factor.rank(OWN_RANK)), own));
-        (rest > OWN_RANK * norm(own)).then(|| (1.0 / rest, together.cause.members.len()))
+        let own = self.column(candidate);
+        let rest = outside(&leading(&factor, factor.rank(OWN_RANK)), own);
+        (norm(&rest) > OWN_RANK * norm(own)).then(|| (rest, together.cause.members.len()))
     }
 
     /// What a cause explains is explained from now on.
@@ -153,7 +187,7 @@ impl Residual {
 
 /// Size, in deviations, of an error whose evidence in `count` columns has a probability of less than `log10_p` by chance in
 /// one of two recordings.
-pub(super) fn deviations_beyond(log10_p: f64, count: usize) -> f64 {
+fn deviations_beyond(log10_p: f64, count: usize) -> f64 {
     let quantile = ChiSquared::new(count as f64).map_or(f64::NAN, |chi| chi.inverse_cdf(1.0 - 10f64.powf(log10_p)));
     (quantile - (count as f64 - 1.0)).sqrt()
 }
