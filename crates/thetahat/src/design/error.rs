@@ -133,6 +133,24 @@ pub enum DesignError {
         /// When.
         when: String,
     },
+    /// No motion keeps two shapes apart.
+    #[error(
+        "{}: [collision] {first} and {second} are at most {furthest_mm:.1} mm apart at 2000 random postures within the limits, margin \
+         {margin_mm} mm: no motion can keep it; give smaller capsules, or name the pair in [collision] ignore where they may touch",
+        path.display()
+    )]
+    NeverApart {
+        /// The design file.
+        path: PathBuf,
+        /// A link.
+        first: String,
+        /// Another, or an obstacle.
+        second: String,
+        /// Their largest distance, mm.
+        furthest_mm: f64,
+        /// The least distance, mm.
+        margin_mm: f64,
+    },
     /// A joint has no room for its sweeps.
     #[error(
         "{}: [motion] sweeps: joint {joint} starts at {start:.4} and has room from {from:.4} to {to:.4} {unit} alone, where {pair} \

@@ -1,4 +1,9 @@
-use crate::design::motions::{family::MotionPoint, sums::Derivatives};
+use crate::design::{
+    limits::joint_limits::JointLimits,
+    motions::{family::MotionPoint, sums::Derivatives},
+};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use thetahat_ground::{quadratic_program::Row, series::Series};
 use thetahat_model::collision::Scene;
 use thetahat_report::results::{CollisionResults, PairDistance};
@@ -15,6 +20,8 @@ pub(in crate::design) struct Clearances {
 const UNIT: f64 = 0.1;
 /// Distances within this of the margin, m, are constrained.
 const NEAR: f64 = 0.15;
+/// Random postures at which pairs are measured before the search.
+const POSTURES: usize = 2000;
 /// Instants on the path from home.
 const PATH_INSTANTS: usize = 500;
 
@@ -30,6 +37,19 @@ impl Clearances {
             let distances = self.scene.distances(q.sample(k));
             distances.iter().position(|distance| *distance < self.margin).map(|pair| (k, pair))
         })
+    }
+
+    /// A pair that is nearer than the margin at each of many postures within the limits, and its largest distance there.
+    pub(in crate::design) fn never_apart(&self, limits: &[JointLimits]) -> Option<(usize, f64)> {
+        let mut rng = ChaCha8Rng::seed_from_u64(0);
+        let mut furthest = vec![f64::NEG_INFINITY; self.scene.pairs()];
+        for _ in 0..POSTURES {
+            let q: Vec<f64> = limits.iter().map(|l| l.lower + (l.upper - l.lower) * rng.random::<f64>()).collect();
+            let distances = self.scene.distances(&q);
+            furthest.iter_mut().zip(distances).for_each(|(most, distance)| *most = most.max(distance));
+        }
+        let nearest = furthest.into_iter().enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        (nearest.1 < self.margin).then_some(nearest)
     }
 
     /// The distances as the use of a limit: one when the least distance is the margin.

@@ -60,7 +60,7 @@ impl Design {
                 .with_sweeps(swept),
             sample_rate_hz: file.sample_rate_hz,
             constraints: Constraints::new(kept.clone(), &watched),
-            clearances: self.clearances(model)?,
+            clearances: self.clearances_in_reach(model, &kept)?,
             loads: Loads::new(model, &self.possible_robots(model)?, kept),
             summed,
             watched,
@@ -72,6 +72,22 @@ impl Design {
         let Some(surroundings) = self.surroundings(model)? else { return Ok(None) };
         let margin = self.file.collision.as_ref().map_or(0.0, |options| 1e-3 * options.margin);
         Ok(Some(Clearances { scene: surroundings.scene, margin: margin + BETWEEN }))
+    }
+
+    /// The same, where every pair is far enough apart at some posture within the limits: no search can part the others.
+    fn clearances_in_reach(&self, model: &Model, kept: &[JointLimits]) -> Result<Option<Clearances>, DesignError> {
+        let clearances = self.clearances(model)?;
+        let Some((pair, furthest)) = clearances.as_ref().and_then(|c| c.never_apart(kept)) else {
+            return Ok(clearances);
+        };
+        let [first, second] = clearances.as_ref().map_or(["", ""], |c| c.scene.names(pair)).map(str::to_owned);
+        Err(DesignError::NeverApart {
+            path: self.path.clone(),
+            first,
+            second,
+            furthest_mm: 1e3 * furthest,
+            margin_mm: self.file.collision.as_ref().map_or(0.0, |options| options.margin),
+        })
     }
 
     /// Sums of functions, at the instants of the information and at those of the limits.
