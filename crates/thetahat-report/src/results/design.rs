@@ -47,6 +47,8 @@ pub struct DesignResults {
     pub starts: Vec<SearchResult>,
     /// The limits, each joint's in the order of [`Limited::ALL`].
     pub limits: Vec<LimitUse>,
+    /// Rated velocities and accelerations of the coordinates, SI, which the percentages of programs are of; none takes the limits.
+    pub rated: [Vec<Option<f64>>; 2],
     /// Joints whose a-priori friction is zero: executed torques are larger than the designed ones.
     pub without_friction: Vec<String>,
     /// Joints whose a-priori motor inertia is zero.

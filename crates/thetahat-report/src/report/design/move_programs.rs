@@ -25,7 +25,7 @@ struct Target<'a> {
     seconds: f64,
     /// Velocity and acceleration of the joint that moves farthest, SI.
     leading: [f64; 2],
-    /// Whole percent of the limits of velocity and acceleration, of the joint closest to its limit.
+    /// Whole percent of the rated velocity and acceleration, of the joint closest to it.
     percent: [u32; 2],
 }
 
@@ -51,16 +51,21 @@ impl<'a> Target<'a> {
         let law = to.law;
         let rates = [1.0 / law.t1_s, 1.0 / (law.t1_s * law.t2_s)];
         let farthest = distances.iter().copied().fold(0.0, f64::max);
-        let part = |quantity: Limited, rate: f64| {
+        let part = |quantity: Limited, rate: f64, rated: &[Option<f64>]| {
             let limits = results.limits.iter().filter(|l| l.quantity == quantity);
-            limits.map(|l| distances[l.coordinate] * rate / l.limit[1]).fold(0.0, f64::max)
+            let rated =
+                limits.map(|l| (l.coordinate, rated.get(l.coordinate).copied().flatten().unwrap_or(l.limit[1])));
+            rated.map(|(c, rated)| distances[c] * rate / rated).fold(0.0, f64::max)
         };
         let percent = |part: f64| (100.0 * part).clamp(1.0, 100.0) as u32;
         Self {
             end: &to.end,
             seconds: law.t1_s + law.t2_s + law.t3_s,
             leading: rates.map(|rate| farthest * rate),
-            percent: [percent(part(Limited::Velocity, rates[0])), percent(part(Limited::Acceleration, rates[1]))],
+            percent: [
+                percent(part(Limited::Velocity, rates[0], &results.rated[0])),
+                percent(part(Limited::Acceleration, rates[1], &results.rated[1])),
+            ],
         }
     }
 }
@@ -82,9 +87,20 @@ impl Program<'_> {
                 names.join(", "),
                 self.targets.len()
             ),
-            "Percentages are of the limits in the design. Try the path slowly before it is recorded.".to_owned(),
+            self.percentages_are_of(),
+            "Try the path slowly before it is recorded.".to_owned(),
         ];
         lines.iter().map(|line| format!("{comment} {line}\n")).collect()
+    }
+
+    fn percentages_are_of(&self) -> String {
+        let are_known = |rated: &[Option<f64>]| rated.iter().all(Option::is_some);
+        let of = |k: usize| if are_known(&self.results.rated[k]) { "rated" } else { "largest designed" };
+        format!(
+            "Percentages are of {} velocities and of {} accelerations; the controller's rated ones belong in [rated].",
+            of(0),
+            of(1)
+        )
     }
 
     /// Degrees or mm.

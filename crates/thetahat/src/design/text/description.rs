@@ -10,7 +10,7 @@ use crate::design::{
     prediction::noise::TorqueNoise,
     text::{
         collision_options::CollisionOptions,
-        options::{DesignObjective, LimitOptions, MotionOptions, NoiseOptions, UncertaintyOptions},
+        options::{DesignObjective, LimitOptions, MotionOptions, NoiseOptions, RatedOptions, UncertaintyOptions},
     },
 };
 use crate::preparation::{
@@ -45,6 +45,9 @@ pub struct DesignFile {
     /// Limits of the joints: for what the robot's description does not state, or to replace it.
     #[serde(default)]
     pub limits: LimitOptions,
+    /// What the percentages of programs are of.
+    #[serde(default)]
+    pub rated: RatedOptions,
     /// The noise of the recording.
     pub noise: NoiseOptions,
     /// How far the robot may be from its a-priori parameters.

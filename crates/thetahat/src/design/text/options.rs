@@ -176,6 +176,17 @@ impl Default for LimitOptions {
     }
 }
 
+/// What the percentages of programs are of, one for all or one for each: degrees or mm. A robot's controller takes them of its own rated
+/// values, which may be above `[limits]`.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RatedOptions {
+    /// Rated velocity; where it is not given that of the URDF, or else of `[limits]`.
+    pub velocity: Option<OneOrEach<f64>>,
+    /// Rated acceleration; where it is not given that of `[limits]`.
+    pub acceleration: Option<OneOrEach<f64>>,
+}
+
 /// How far the robot may be from its a-priori parameters: the limits of torque and power hold for random robots in that range.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields, default)]

@@ -70,6 +70,7 @@ impl Design {
                 .map(|s| SearchResult { first: s.first_value, found: s.value, steps: s.steps })
                 .collect(),
             limits: uses,
+            rated: self.rated(),
             without_friction: self.joints_without(|role| matches!(role, Role::ViscousFriction | Role::CoulombFriction)),
             without_motor_inertia: self.joints_without(|role| role == Role::MotorInertia),
             predicted,

@@ -60,6 +60,8 @@ impl Design {
             ("[limits] jerk", &options.jerk),
             ("[limits] torque", &options.torque),
             ("[limits] power", &options.power),
+            ("[rated] velocity", &self.file.rated.velocity),
+            ("[rated] acceleration", &self.file.rated.acceleration),
         ];
         for (key, list) in lists {
             let Some(list) = list else { continue };
@@ -69,6 +71,18 @@ impl Design {
             }
         }
         Ok(())
+    }
+
+    /// Rated velocities and accelerations, SI, where they are known.
+    pub(in crate::design) fn rated(&self) -> [Vec<Option<f64>>; 2] {
+        let joints: Vec<&Joint> = self.robot.coordinates().collect();
+        let given = |list: &Option<OneOrEach<f64>>, number: usize| {
+            list.as_ref().map(|list| joints[number].kind.to_si(*list.of(number)))
+        };
+        let of_urdf = |number: usize| joints[number].limits.velocity.filter(|velocity| *velocity > 0.0);
+        let rated = &self.file.rated;
+        let velocity = (0..joints.len()).map(|j| given(&rated.velocity, j).or_else(|| of_urdf(j)));
+        [velocity.collect(), (0..joints.len()).map(|j| given(&rated.acceleration, j)).collect()]
     }
 
     fn limits_of(&self, joint: &Joint, number: usize) -> Result<JointLimits, DesignError> {
