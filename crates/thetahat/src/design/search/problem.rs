@@ -47,7 +47,9 @@ impl Design {
         let file = &self.file;
         let kept: Vec<JointLimits> = limits.iter().map(|l| l.less(self.margin())).collect();
         let [summed, watched] = match file.motion.kind {
-            MotionKind::Fourier => self.sums(&kept, Basis::fourier(file.duration_s, file.motion.harmonics())),
+            MotionKind::Fourier => {
+                self.sums(&kept, Basis::fourier(file.duration_s, file.motion.harmonics(file.duration_s)))
+            }
             MotionKind::Splines => self.sums(&kept, Basis::splines(file.duration_s, file.motion.splines())),
             MotionKind::Moves => self.moves(model, &kept)?,
         };

@@ -31,7 +31,7 @@ impl Default for DesignObjective {
 pub struct MotionOptions {
     /// Fourier series, B-splines or point-to-point moves.
     pub kind: MotionKind,
-    /// Harmonics of the Fourier series, 5 by default.
+    /// Harmonics of the Fourier series: by default one for every 4 s of the motion, from 5 to 15.
     pub harmonics: Option<usize>,
     /// B-splines of each joint, 10 by default.
     pub splines: Option<usize>,
@@ -116,9 +116,17 @@ impl Default for MotionOptions {
     }
 }
 
+const SECONDS_PER_HARMONIC: f64 = 4.0;
+const FEWEST_HARMONICS: usize = 5;
+/// More take minutes to search.
+const MOST_HARMONICS: usize = 15;
+
 impl MotionOptions {
-    pub(in crate::design) fn harmonics(&self) -> usize {
-        self.harmonics.unwrap_or(5)
+    /// As many harmonics as keep the highest frequency of a motion of 20 s: with a fixed number a longer motion is a slower one, and
+    /// its intervals are wider.
+    pub(in crate::design) fn harmonics(&self, duration_s: f64) -> usize {
+        let of_duration = (duration_s / SECONDS_PER_HARMONIC).round() as usize;
+        self.harmonics.unwrap_or(of_duration.clamp(FEWEST_HARMONICS, MOST_HARMONICS))
     }
 
     pub(in crate::design) fn splines(&self) -> usize {

@@ -55,7 +55,7 @@ impl Design {
     }
 
     fn validate_harmonics(&self) -> Result<(), DesignError> {
-        let harmonics = self.file.motion.harmonics();
+        let harmonics = self.file.motion.harmonics(self.file.duration_s);
         self.require((1..=MOST_HARMONICS).contains(&harmonics), "[motion] harmonics", "from 1 to 50", harmonics)?;
         self.require_cutoff_above(harmonics as f64 / self.file.duration_s, "the highest harmonic of the motion")
     }
