@@ -183,8 +183,9 @@ fn friction_that_the_description_lacks_is_a_term_of_the_model() {
     let load = TermDescription::LoadFriction { joints: None };
     let mut twin = experiment();
     twin.robot.add_terms(std::slice::from_ref(&load)).unwrap();
-    let parameters = &mut twin.file.twin.as_mut().unwrap().parameters;
-    parameters.extend(["fl2", "fl3"].map(|name| (name.to_owned(), 0.1)));
+    let described = twin.file.twin.as_mut().unwrap();
+    described.sensors.torque_noise.iter_mut().for_each(|noise| *noise *= 0.1);
+    described.parameters.extend(["fl2", "fl3"].map(|name| (name.to_owned(), 0.1)));
     let recording = Recording { truth: None, ..twin.recordings(Path::new("")).unwrap().remove(0) };
 
     let Experiment { robot, settings, .. } = experiment();
