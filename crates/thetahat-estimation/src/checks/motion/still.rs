@@ -4,6 +4,7 @@ use crate::checks::{
     examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::{mean, span},
+    remedy_step::RemedyStep,
     signals::{STILL, Signals},
 };
 
@@ -80,6 +81,7 @@ fn still_periods(exam: &mut Examination<'_>, signals: &Signals) {
             ),
             remedy,
         )
+        .with_step((!left_out).then_some(RemedyStep::LeaveOutRests))
     });
 }
 

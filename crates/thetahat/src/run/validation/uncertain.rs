@@ -53,6 +53,7 @@ pub(in crate::run) fn note(
         ),
         remedy: remedy(setup, problem),
         parameters: names,
+        step: None,
     })
 }
 
