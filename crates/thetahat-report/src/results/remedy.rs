@@ -18,6 +18,9 @@ pub struct Remedy {
     /// The code of the finding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub finding: Option<Code>,
+    /// Codes of further findings that it removes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub also: Vec<Code>,
     /// The cause that the model names, where it is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cause: Option<CauseKind>,

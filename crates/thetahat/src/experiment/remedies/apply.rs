@@ -1,10 +1,7 @@
 //! Remedies that were asked for, made in the text of an experiment.
 
 use super::steps::Draft;
-use crate::experiment::{
-    description::{Experiment, parse},
-    error::ExperimentError,
-};
+use crate::experiment::{description::Experiment, error::ExperimentError};
 use thetahat_ground::visible::visible;
 use thetahat_report::results::{RecordingStep, Remedy, SettingChange};
 
@@ -15,12 +12,6 @@ impl<'a> Draft<'a> {
     pub(super) fn of(experiment: &'a Experiment) -> Self {
         let (text, file) = (experiment.text.clone(), experiment.file.clone());
         Self { text, file, robot: &experiment.robot, changes: Vec::new() }
-    }
-
-    /// Reads the text again, so that the next step finds what this one has written.
-    fn read_again(&mut self, experiment: &Experiment) -> Result<(), ExperimentError> {
-        self.file = parse(&self.text, &experiment.path)?.0;
-        Ok(())
     }
 }
 
@@ -50,8 +41,7 @@ impl Experiment {
 
     fn make(&self, draft: &mut Draft<'_>, step: &RecordingStep, remedy: &Remedy) -> Result<(), ExperimentError> {
         let (code, label) = (remedy.code.clone(), remedy.label.clone());
-        draft.make(step).ok_or_else(|| ExperimentError::NoRemedy { path: self.path.clone(), code, label })?;
-        draft.read_again(self)
+        draft.make(step).ok_or_else(|| ExperimentError::NoRemedy { path: self.path.clone(), code, label })
     }
 }
 

@@ -16,13 +16,22 @@ struct Candidate {
     coordinate: Option<usize>,
     found: String,
     finding: Option<Code>,
+    /// Findings of earlier links of its chain.
+    also: Vec<Code>,
     cause: Option<CauseKind>,
     step: RecordingStep,
+    /// Steps before it, which it holds after.
+    before: Vec<RecordingStep>,
 }
 
 /// Enters the remedies of the results, and their codes into the reasons of the verdict.
 pub(in crate::experiment) fn enter(experiment: &Experiment, results: &mut Results) {
-    results.remedies = remedies(experiment, results);
+    let is_late = results
+        .verdict_reasons
+        .iter()
+        .any(|r| r.code == ReasonCode::Cause && r.text.contains(CauseKind::LateTorque.words()));
+    let causes: &[ModelCause] = results.model.as_ref().map_or(&[], |model| &model.causes);
+    results.remedies = remedies(experiment, &results.findings, causes, is_late);
     for reason in &mut results.verdict_reasons {
         let codes = results.remedies.iter().filter(|remedy| is_of(remedy, reason)).map(|remedy| remedy.code.clone());
         reason.remedies = codes.collect();
@@ -30,28 +39,40 @@ pub(in crate::experiment) fn enter(experiment: &Experiment, results: &mut Result
 }
 
 fn is_of(remedy: &Remedy, reason: &VerdictReason) -> bool {
-    let of_finding = reason.subject.finding.is_some() && reason.subject.finding == remedy.finding;
+    let of_finding = reason.subject.finding.is_some_and(|f| remedy.finding == Some(f) || remedy.also.contains(&f));
     let of_cause = |cause: CauseKind| reason.code == ReasonCode::Cause && reason.text.contains(cause.words());
     // The delay that the model shows is the lag that the checks measure.
     let cause = remedy.cause.or((remedy.finding == Some(Code::Lag)).then_some(CauseKind::LateTorque));
     of_finding || cause.is_some_and(of_cause)
 }
 
-fn remedies(experiment: &Experiment, results: &Results) -> Vec<Remedy> {
-    let robot = &experiment.robot;
-    let is_late = |reason: &VerdictReason| {
-        reason.code == ReasonCode::Cause && reason.text.contains(CauseKind::LateTorque.words())
-    };
-    let is_late = results.verdict_reasons.iter().any(is_late);
-    let mut all: Vec<Candidate> = Vec::new();
-    for recording in &results.findings {
-        all.extend(together(of_recording(experiment, recording, is_late), robot));
+impl Experiment {
+    /// The remedies of findings of [`Experiment::check`], before anything is estimated.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn remedies_of(&self, findings: &[RecordingFindings]) -> Vec<Remedy> {
+        remedies(self, findings, &[], false)
     }
-    if results.findings.iter().filter(|r| !r.held_back && is_recording(&experiment.file, r)).count() > 1 {
+}
+
+/// The remedies of findings and of causes that the model names; `is_late` where the verdict says that the torques are late.
+fn remedies(
+    experiment: &Experiment,
+    findings: &[RecordingFindings],
+    causes: &[ModelCause],
+    is_late: bool,
+) -> Vec<Remedy> {
+    let robot = &experiment.robot;
+    let mut all: Vec<Candidate> = Vec::new();
+    for recording in findings {
+        let found = together(of_recording(experiment, recording, is_late), robot);
+        all.extend(chained(found, robot.coordinate_count()));
+    }
+    if findings.iter().filter(|r| !r.held_back && is_recording(&experiment.file, r)).count() > 1 {
         // What one recording does not excite, another may.
         all.retain(|candidate| !matches!(candidate.step.step, RemedyStep::Estimate { .. }));
     }
-    all.extend(results.model.iter().flat_map(|model| of_causes(experiment, &model.causes)));
+    all.extend(of_causes(experiment, causes));
     let mut codes: Vec<String> = Vec::new();
     for candidate in &all {
         if !codes.contains(&candidate.code) {
@@ -106,8 +127,10 @@ fn of_recording(experiment: &Experiment, recording: &RecordingFindings, is_late:
             coordinate,
             found: finding.message.clone(),
             finding: Some(finding.code),
+            also: Vec::new(),
             cause: None,
             step,
+            before: Vec::new(),
         };
         found.push((ordered.order, candidate));
     }
@@ -207,7 +230,80 @@ impl Candidate {
 
     fn of_all(self) -> Self {
         let code = self.finding.map_or(self.code, |finding| finding.name().to_owned());
-        Self { code, coordinate: None, found: format!("{} (and likewise at all other joints)", self.found), ..self }
+        Self { code, coordinate: None, found: format!("at every joint: {}", self.found), ..self }
+    }
+}
+
+/// Corrections of the same joints are links of a chain, each found in the recording that the earlier ones have corrected: they become one
+/// remedy. A torque with the other sign, and then torque and position of that joint, is a position with the other sign.
+fn chained(candidates: Vec<Candidate>, n: usize) -> Vec<Candidate> {
+    let mut all: Vec<Candidate> = Vec::new();
+    for candidate in candidates {
+        let joints = joints_of(&candidate.step.step, n);
+        let shares = |other: &Candidate| {
+            let steps = other.before.iter().chain([&other.step]);
+            steps.flat_map(|step| joints_of(&step.step, n)).any(|joint| joints.contains(&joint))
+        };
+        match all.iter().position(shares) {
+            Some(place) => {
+                let earlier = all.remove(place);
+                all.push(candidate.after(earlier));
+            }
+            None => all.push(candidate),
+        }
+    }
+    all
+}
+
+/// The joints whose channels a step corrects one by one, from one; empty where it corrects all alike.
+fn joints_of(step: &RemedyStep, n: usize) -> Vec<usize> {
+    match step {
+        RemedyStep::ExchangeJoints { joints, .. } => joints.to_vec(),
+        RemedyStep::Scale { position, torque } => {
+            let is_scaled = |k: usize| [position, torque].iter().any(|f| f.get(k - 1).is_some_and(|f| *f != 1.0));
+            let joints: Vec<usize> = (1..=n).filter(|k| is_scaled(*k)).collect();
+            if n > 1 && joints.len() == n { Vec::new() } else { joints }
+        }
+        RemedyStep::Side { .. }
+        | RemedyStep::Delay { .. }
+        | RemedyStep::Hold
+        | RemedyStep::EqualSteps { .. }
+        | RemedyStep::CorrectReference { .. }
+        | RemedyStep::Cutoff { .. }
+        | RemedyStep::LeaveOutRests
+        | RemedyStep::Estimate { .. }
+        | RemedyStep::AddTerm { .. } => Vec::new(),
+    }
+}
+
+/// Factors one after the other; none if one of the steps has another form.
+fn product(first: &RemedyStep, second: &RemedyStep) -> Option<RemedyStep> {
+    let (RemedyStep::Scale { position, torque }, RemedyStep::Scale { position: p, torque: t }) = (first, second) else {
+        return None;
+    };
+    let times = |a: &[f64], b: &[f64]| -> Vec<f64> {
+        let n = a.len().max(b.len());
+        let of = |factors: &[f64], j: usize| factors.get(j).copied().unwrap_or(1.0);
+        let both: Vec<f64> = (0..n).map(|j| of(a, j) * of(b, j)).collect();
+        if both.iter().all(|factor| *factor == 1.0) { Vec::new() } else { both }
+    };
+    Some(RemedyStep::Scale { position: times(position, p), torque: times(torque, t) })
+}
+
+impl Candidate {
+    /// The candidate as the last link of a chain.
+    fn after(mut self, earlier: Self) -> Self {
+        self.also = earlier.also.into_iter().chain(earlier.finding).collect();
+        self.before = earlier.before;
+        match product(&earlier.step.step, &self.step.step) {
+            Some(step) => {
+                self.step.with_reference |= earlier.step.with_reference;
+                self.step.with_velocity |= earlier.step.with_velocity;
+                self.step.step = step;
+            }
+            None => self.before.push(earlier.step),
+        }
+        self
     }
 }
 
@@ -244,7 +340,8 @@ fn of_cause(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
 
 fn candidate(cause: &ModelCause, code: String, step: RecordingStep) -> Candidate {
     let found = format!("The residual shows {}", cause.kind.with_subject(&cause.subject));
-    Candidate { code, coordinate: None, found, finding: None, cause: Some(cause.kind), step }
+    let (also, before) = (Vec::new(), Vec::new());
+    Candidate { code, coordinate: None, found, finding: None, also, cause: Some(cause.kind), step, before }
 }
 
 /// Positions that are too large by a ratio, and torques that are too small by it, in every recording. A simulated loop has the
@@ -280,16 +377,20 @@ fn of_gear(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
 fn remedy(experiment: &Experiment, code: &str, all: &[Candidate]) -> Option<Remedy> {
     let own = || all.iter().filter(|candidate| candidate.code == code);
     let first = own().next()?;
-    let mut steps: Vec<RecordingStep> = own().map(|candidate| candidate.step.clone()).collect();
+    let mut steps: Vec<RecordingStep> =
+        own().flat_map(|candidate| candidate.before.iter().chain([&candidate.step]).cloned()).collect();
     steps.dedup();
     let mut draft = Draft::of(experiment);
     steps.iter().try_for_each(|step| draft.make(step))?;
-    let label = label(&first.step.step, &draft.changes, &experiment.robot);
+    let chain = first.before.iter().chain([&first.step]);
+    let labels: Vec<String> = chain.map(|step| label(&step.step, &draft.changes, &experiment.robot)).collect();
+    let label = labels.join("; ");
     Some(Remedy {
         code: code.to_owned(),
         label,
         found: first.found.clone(),
         finding: first.finding,
+        also: first.also.clone(),
         cause: first.cause,
         changes: draft.changes,
         steps,

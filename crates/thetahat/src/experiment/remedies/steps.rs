@@ -1,12 +1,14 @@
 //! A step of a remedy as changes of keys of the experiment file.
 
+use std::path::Path;
+
 use toml::{Table, Value};
 
 use super::{
     channels::{Channels, Entry, one_or_list},
     text::{Change, with_table_of_array},
 };
-use crate::experiment::description::{ExperimentFile, RecordingDescription};
+use crate::experiment::description::{ExperimentFile, RecordingDescription, parse};
 use thetahat_data::recording::ChannelSource;
 use thetahat_model::robot::Robot;
 use thetahat_report::results::{RecordingStep, RemedySignal, RemedyStep, SettingChange};
@@ -31,7 +33,8 @@ impl Draft<'_> {
     /// Makes the changes of a step; none if this file has no place for them, or has them already.
     pub(super) fn make(&mut self, step: &RecordingStep) -> Option<()> {
         if let RemedyStep::AddTerm { term } = &step.step {
-            return self.add_term(term);
+            self.add_term(term)?;
+            return self.read_again();
         }
         let (changes, count) = self.changes_of(step)?;
         let mut has_changed = false;
@@ -45,7 +48,13 @@ impl Draft<'_> {
             let [before, after] = [&before, &change.value].map(|value| value.as_ref().map(ToString::to_string));
             self.changes.push(SettingChange { key: change.key(count), before, after });
         }
-        has_changed.then_some(())
+        self.read_again().filter(|()| has_changed)
+    }
+
+    /// Reads the text again, so that the next step finds what this one has written.
+    fn read_again(&mut self) -> Option<()> {
+        self.file = parse(&self.text, Path::new("")).ok()?.0;
+        Some(())
     }
 
     fn add_term(&mut self, kind: &str) -> Option<()> {
