@@ -248,8 +248,8 @@ pub struct Identify {
     pub described: Described,
     #[command(flatten)]
     pub output: Output,
-    /// Change the experiment as the remedies of these codes say: its next version is written beside it, identified, and
-    /// compared with the run before; results.json of that run is looked for in --out, and those of this one go beside, to DIR.2
+    /// Change the experiment as the remedies of these codes say: its next version is written next to it, identified, and
+    /// compared with the run before; results.json of that run is looked for in --out, and those of this one go to DIR.2
     #[arg(long, value_name = "CODES", value_delimiter = ',')]
     pub apply: Vec<String>,
 }

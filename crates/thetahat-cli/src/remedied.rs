@@ -22,7 +22,7 @@ use crate::{
 /// Versions of an experiment that are looked for.
 const MOST_VERSIONS: u32 = 10_000;
 
-/// Writes the next version of the experiment with the remedies that were asked for, beside it, and identifies it.
+/// Writes the next version of the experiment with the remedies that were asked for, next to it, and identifies it.
 pub fn identify_with_remedies(identify: &Identify) -> Result<Ending, Box<dyn Error>> {
     let (experiment, data) = read_experiment(&identify.described)?;
     let before = run_before(&experiment, &data, identify.output.out.as_deref())?;
@@ -79,7 +79,7 @@ fn quoted(path: &Path) -> String {
     if text.chars().all(is_plain) { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
 }
 
-/// The next version of an experiment file: `experiment.2.toml` beside `experiment.toml`.
+/// The next version of an experiment file: `experiment.2.toml` next to `experiment.toml`.
 struct Version {
     path: PathBuf,
     number: u32,
@@ -92,11 +92,11 @@ impl Version {
         let versions = own + 1..own + MOST_VERSIONS;
         let path = |number: u32| experiment.with_file_name(format!("{stem}.{number}.toml"));
         let free = versions.into_iter().find(|number| !path(*number).exists());
-        let number = free.ok_or_else(|| format!("{}: has too many versions beside it", experiment.display()))?;
+        let number = free.ok_or_else(|| format!("{}: has too many versions next to it", experiment.display()))?;
         Ok(Self { path: path(number), number })
     }
 
-    /// The folder of its results, beside that of the run before: `out.2` beside `out`.
+    /// The folder of its results, next to that of the run before: `out.2` next to `out`.
     fn folder(&self, before: &Path) -> PathBuf {
         let name = before.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let (name, _) = split_number(&name);

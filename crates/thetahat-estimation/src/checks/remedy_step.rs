@@ -74,11 +74,9 @@ pub enum RemedyStep {
     },
     /// Leaves samples near rest out.
     LeaveOutRests,
-    /// Estimates these base parameters and takes the others as zero.
-    Estimate {
-        /// The base parameters.
-        parameters: Vec<String>,
-        /// Number of the others.
+    /// Leaves the parameters out that are not essential.
+    Essential {
+        /// How many.
         left_out: usize,
     },
     /// Corrects the recorded reference.
@@ -89,6 +87,15 @@ pub enum RemedyStep {
         scale: Vec<f64>,
         /// What is added, rad or m.
         offset: Vec<f64>,
+    },
+    /// Locks a joint that does not move, and leaves its channels out.
+    LockJoint {
+        /// The joint.
+        joint: usize,
+        /// Its name.
+        name: String,
+        /// Where it is, rad or m.
+        value: f64,
     },
     /// Adds a torque term to all joints.
     AddTerm {

@@ -236,6 +236,7 @@ fn finding() -> Finding {
         message: "the torque is 2.4 samples later".to_owned(),
         remedy: "shift it".to_owned(),
         parameters: Vec::new(),
+        step: None,
     }
 }
 

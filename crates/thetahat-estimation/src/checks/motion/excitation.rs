@@ -4,7 +4,6 @@ use crate::checks::{
     examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     fit::{orthogonal_fit::OrthogonalFit, thinned_recording::ThinnedRecording},
-    remedy_step::RemedyStep,
 };
 use thetahat_ground::linear_algebra::{Matrix, PivotedQr, norm};
 
@@ -67,10 +66,7 @@ fn dependent(exam: &mut Examination<'_>, fit: &OrthogonalFit, columns: &Matrix, 
         let message =
             format!("the motion does not separate {} parameters from the others: {}", lost.len(), list.join(", "));
         let remedy = "move these joints faster and in other configurations, or exclude these parameters";
-        let mut kept = kept.to_vec();
-        kept.sort_unstable();
-        let step = RemedyStep::Estimate { parameters: owned(names, &kept), left_out: lost.len() };
-        FindingText::new(message, remedy).about(owned(names, &lost)).with_step(step)
+        FindingText::new(message, remedy).about(owned(names, &lost))
     });
 }
 

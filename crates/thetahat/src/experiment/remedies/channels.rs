@@ -106,6 +106,24 @@ impl Channels<'_> {
         Some(entries)
     }
 
+    /// The channels without that of a joint.
+    pub(super) fn without(&self, joint: usize) -> Option<Vec<Entry>> {
+        let rest = |values: Vec<Value>| -> Vec<Value> {
+            values.into_iter().enumerate().filter(|(j, _)| *j != joint).map(|(_, value)| value).collect()
+        };
+        let names = self.columns()?.into_iter().map(Value::from).collect();
+        let mut entries: Vec<Entry> = vec![("columns", Some(Value::Array(rest(names))))];
+        if let OneOrEach::Each(units) = &self.source.unit {
+            let units = units.iter().map(|unit| Value::from(unit.symbol())).collect();
+            entries.push(("unit", Some(Value::Array(rest(units)))));
+        }
+        if let Some(OneOrEach::Each(gains)) = &self.source.gain {
+            let gains = gains.iter().map(|gain| Value::from(*gain)).collect();
+            entries.push(("gain", Some(Value::Array(rest(gains)))));
+        }
+        Some(entries)
+    }
+
     /// A name for each channel: those of the file, or the columns of its matrix.
     fn columns(&self) -> Option<Vec<String>> {
         let source = self.source;

@@ -68,10 +68,13 @@ fn remedies(
         let found = together(of_recording(experiment, recording, is_late), robot);
         all.extend(chained(found, robot.coordinate_count()));
     }
-    if findings.iter().filter(|r| !r.held_back && is_recording(&experiment.file, r)).count() > 1 {
-        // What one recording does not excite, another may.
-        all.retain(|candidate| !matches!(candidate.step.step, RemedyStep::Estimate { .. }));
-    }
+    let used = findings.iter().filter(|r| !r.held_back && is_recording(&experiment.file, r)).count();
+    // A joint that one recording does not move, another may.
+    let in_all = |code: &str| all.iter().filter(|candidate| candidate.code == code).count() == used;
+    let is_kept =
+        |candidate: &Candidate| !matches!(candidate.step.step, RemedyStep::LockJoint { .. }) || in_all(&candidate.code);
+    let mut is_kept = all.iter().map(is_kept).collect::<Vec<bool>>().into_iter();
+    all.retain(|_| is_kept.next().unwrap_or(true));
     all.extend(of_causes(experiment, causes));
     let mut codes: Vec<String> = Vec::new();
     for candidate in &all {
@@ -100,7 +103,15 @@ fn of_recording(experiment: &Experiment, recording: &RecordingFindings, is_late:
     let has = |code: Code| recording.findings.iter().any(|f| f.code == code && f.severity < Severity::Note);
     let with_reference = description.is_some_and(|d| d.reference.is_some()) && !has(Code::ReferenceMismatch);
     let with_velocity = description.is_some_and(|d| d.velocity.is_some()) && !has(Code::VelocityMismatch);
-    let matters = |f: &&Finding| f.severity < Severity::Note || (f.code == Code::Lag && is_late);
+    // Corrections that leave a poor fit are not the cause, or not all of it.
+    let is_poor = recording.findings.iter().any(|f| f.code == Code::PoorFit && f.joint.is_none());
+    // Steps of the position ask for a lower cut-off where the fit asks for a higher one.
+    let is_coarse = has(Code::PositionQuantised) || has(Code::CutoffHigh);
+    let matters = |f: &&Finding| {
+        let is_doubtful = (is_poor && is_correction(f.code)) || (is_coarse && f.code == Code::CutoffLow);
+        let is_said = f.code == Code::NotExcited || (f.code == Code::Lag && is_late);
+        (f.severity < Severity::Note || is_said) && !is_doubtful
+    };
     let mut found: Vec<(usize, Candidate)> = Vec::new();
     for finding in recording.findings.iter().filter(matters) {
         let Some(ordered) = &finding.step else { continue };
@@ -145,6 +156,19 @@ fn of_recording(experiment: &Experiment, recording: &RecordingFindings, is_late:
     all
 }
 
+/// Whether a finding is the correction of the channels that makes the fit better.
+fn is_correction(code: Code) -> bool {
+    matches!(
+        code,
+        Code::PositionScale
+            | Code::PositionSign
+            | Code::TorqueScale
+            | Code::TorqueSign
+            | Code::JointsSwapped
+            | Code::GearRatio
+    )
+}
+
 /// Whether a step changes the description of a recording.
 fn is_of_recording(step: &RemedyStep) -> bool {
     match step {
@@ -157,7 +181,8 @@ fn is_of_recording(step: &RemedyStep) -> bool {
         | RemedyStep::CorrectReference { .. } => true,
         RemedyStep::Cutoff { .. }
         | RemedyStep::LeaveOutRests
-        | RemedyStep::Estimate { .. }
+        | RemedyStep::Essential { .. }
+        | RemedyStep::LockJoint { .. }
         | RemedyStep::AddTerm { .. } => false,
     }
 }
@@ -172,7 +197,8 @@ fn moves_position(step: &RemedyStep) -> bool {
         | RemedyStep::CorrectReference { .. }
         | RemedyStep::Cutoff { .. }
         | RemedyStep::LeaveOutRests
-        | RemedyStep::Estimate { .. }
+        | RemedyStep::Essential { .. }
+        | RemedyStep::LockJoint { .. }
         | RemedyStep::AddTerm { .. } => false,
     }
 }
@@ -271,7 +297,8 @@ fn joints_of(step: &RemedyStep, n: usize) -> Vec<usize> {
         | RemedyStep::CorrectReference { .. }
         | RemedyStep::Cutoff { .. }
         | RemedyStep::LeaveOutRests
-        | RemedyStep::Estimate { .. }
+        | RemedyStep::Essential { .. }
+        | RemedyStep::LockJoint { .. }
         | RemedyStep::AddTerm { .. } => Vec::new(),
     }
 }
@@ -380,6 +407,9 @@ fn remedy(experiment: &Experiment, code: &str, all: &[Candidate]) -> Option<Reme
     let mut steps: Vec<RecordingStep> =
         own().flat_map(|candidate| candidate.before.iter().chain([&candidate.step]).cloned()).collect();
     steps.dedup();
+    if matches!(first.step.step, RemedyStep::LockJoint { .. }) {
+        steps.truncate(1);
+    }
     let mut draft = Draft::of(experiment);
     steps.iter().try_for_each(|step| draft.make(step))?;
     let chain = first.before.iter().chain([&first.step]);

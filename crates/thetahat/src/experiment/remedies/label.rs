@@ -34,10 +34,11 @@ pub(super) fn label(step: &RemedyStep, changes: &[SettingChange], robot: &Robot)
         RemedyStep::Cutoff { cutoff_hz } => format!("Cut-off {cutoff_hz} Hz"),
         RemedyStep::EqualSteps { sample_rate_hz } => format!("Equal steps at {} Hz", significant(*sample_rate_hz, 6)),
         RemedyStep::LeaveOutRests => "Leave out samples near rest".to_owned(),
-        RemedyStep::Estimate { left_out, .. } => {
+        RemedyStep::Essential { left_out } => {
             format!("Leave out {left_out} parameter{}", if *left_out == 1 { "" } else { "s" })
         }
         RemedyStep::CorrectReference { .. } => "Correct the reference".to_owned(),
+        RemedyStep::LockJoint { joint, .. } => format!("Lock joint {}", number(joint - 1)),
         RemedyStep::AddTerm { term } => format!("Add the term {term}"),
     }
 }

@@ -73,9 +73,11 @@ impl Draft<'_> {
                 Some((vec![Change::new(&["signal", "cutoff_hz"], 0, Value::from(*cutoff_hz))], 1))
             }
             RemedyStep::LeaveOutRests => Some((vec![Change::new(&["signal", "mask"], 0, Value::from("near-rest"))], 1)),
-            RemedyStep::Estimate { parameters, .. } => {
-                let names = parameters.iter().map(|name| Value::from(name.as_str())).collect();
-                Some((vec![Change::new(&["parameters", "estimate"], 0, Value::Array(names))], 1))
+            RemedyStep::Essential { .. } => {
+                Some((vec![Change::new(&["parameters", "estimate"], 0, Value::from("essential"))], 1))
+            }
+            RemedyStep::LockJoint { joint, name, value } => {
+                Some((self.locked(joint.checked_sub(1)?, name, *value)?, 1))
             }
             RemedyStep::AddTerm { .. } => None,
             RemedyStep::ExchangeJoints { .. }
@@ -89,6 +91,35 @@ impl Draft<'_> {
                 Some((self.in_recording(&target, step)?, target.count))
             }
         }
+    }
+
+    /// A joint locked, and its channels left out of every recording; none where other keys have a value for each joint.
+    fn locked(&self, joint: usize, name: &str, value: f64) -> Option<Vec<Change>> {
+        let table: Table = toml::from_str(&self.text).ok()?;
+        if self.robot.coordinate_count() < 2 || table.contains_key("controller") || table.contains_key("simulation") {
+            return None;
+        }
+        let mut changes = vec![Change::new(&["locked", name], 0, Value::from(value))];
+        for (table, all) in [("recording", &self.file.recording), ("validation", &self.file.validation)] {
+            for (index, d) in all.iter().enumerate() {
+                if d.reference_correction.is_some() || d.added_signal.is_some() || !d.channels.is_empty() {
+                    return None;
+                }
+                let signals = [
+                    ("position", Some(&d.position)),
+                    ("torque", d.torque.as_ref()),
+                    ("velocity", d.velocity.as_ref()),
+                    ("reference", d.reference.as_ref()),
+                ];
+                for (signal, source) in signals {
+                    let Some(source) = source else { continue };
+                    let channels = Channels { source, robot: self.robot, is_position: signal != "torque" };
+                    let of = |(key, value): Entry| Change::new(&[table, signal, key], index, value);
+                    changes.extend(channels.without(joint)?.into_iter().map(of));
+                }
+            }
+        }
+        Some(changes)
     }
 
     fn target(&self, step: &RecordingStep) -> Option<Target<'_>> {
@@ -143,7 +174,8 @@ impl Draft<'_> {
             }
             RemedyStep::Cutoff { .. }
             | RemedyStep::LeaveOutRests
-            | RemedyStep::Estimate { .. }
+            | RemedyStep::Essential { .. }
+            | RemedyStep::LockJoint { .. }
             | RemedyStep::AddTerm { .. } => None,
         }
     }

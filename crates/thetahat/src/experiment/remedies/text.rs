@@ -83,7 +83,7 @@ impl Change {
         match (at.table.iter().find(|(own, _)| own.get_ref() == key), &self.value) {
             (Some((_, old)), Some(value)) => replaced(text, old.span(), &value.to_string()),
             (Some((own, old)), None) => at.without(text, own.span().start..old.span().end),
-            (None, Some(value)) => at.with(text, &format!("{key} = {value}")),
+            (None, Some(value)) => at.with(text, &format!("{} = {value}", written(key))),
             (None, None) => Some(text.to_owned()),
         }
     }
@@ -92,7 +92,7 @@ impl Change {
     fn with_new_table(&self, text: &str, name: &str, key: &str) -> Option<String> {
         let value = self.value.as_ref()?;
         let end = if text.is_empty() || text.ends_with('\n') { "" } else { "\n" };
-        Some(format!("{text}{end}\n[{name}]\n{key} = {value}\n"))
+        Some(format!("{text}{end}\n[{name}]\n{} = {value}\n", written(key)))
     }
 }
 
@@ -104,6 +104,12 @@ pub(super) fn with_table_of_array(text: &str, name: &str, table: &Table) -> Opti
     let tables = expected.entry(name.to_owned()).or_insert_with(|| Value::Array(Vec::new()));
     tables.as_array_mut()?.push(Value::Table(table.clone()));
     (found == expected).then_some(edited)
+}
+
+/// A key as a file writes it: quoted where it has other letters than a bare key.
+fn written(key: &str) -> String {
+    let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    if !key.is_empty() && key.chars().all(is_bare) { key.to_owned() } else { Value::from(key).to_string() }
 }
 
 /// A table of values: itself, or one of an array.

@@ -14,7 +14,9 @@ use thetahat_report::results::RunResult;
 use thetahat_testing::{Folder, project};
 
 pub(super) const RATE_HZ: f64 = 200.0;
-const SAMPLES: usize = 4000;
+const SAMPLES: usize = 3000;
+/// Where a joint stays that does not move, rad.
+pub(super) const STILL_AT: f64 = 0.4;
 /// Noise of a torque, part of its rms.
 const NOISE: f64 = 0.01;
 
@@ -41,8 +43,17 @@ impl Twin {
         Self::with_friction(&|_, _, _| 0.0)
     }
 
+    /// With a joint, from zero, that stays at [`STILL_AT`].
+    pub(super) fn with_still_joint(joint: usize) -> Self {
+        Self::on(moved_but(Some(joint)), &|_, _, _| 0.0)
+    }
+
     /// With another torque of joint j, from its velocity and the torque of gravity.
     pub(super) fn with_friction(other: &dyn Fn(usize, f64, f64) -> f64) -> Self {
+        Self::on(moved_but(None), other)
+    }
+
+    fn on([q, dq, ddq]: [Series; 3], other: &dyn Fn(usize, f64, f64) -> f64) -> Self {
         let robot = Robot::read(&project("robots/seven_axes.urdf")).unwrap();
         let (model, n) = (Model::new(&robot), robot.coordinate_count());
         let table = robot.parameter_table();
@@ -53,7 +64,6 @@ impl Twin {
         let bodies: Vec<f64> =
             table.iter().zip(&theta).map(|(p, v)| if p.quantity.is_inertial() { *v } else { 0.0 }).collect();
         let [theta, bodies] = [theta, bodies].map(|theta| DynamicParameters::sorted(&model, &theta));
-        let [q, dq, ddq] = motion(n);
         let (mut workspace, still) = (Workspace::new(&model), vec![0.0; n]);
         let (mut torque, mut gravity) = (Series::zeros(SAMPLES, n), vec![0.0; n]);
         for k in 0..SAMPLES {
@@ -124,6 +134,15 @@ impl Twin {
         assert!(text.contains("# of a test") && text.contains("# at the joints"), "comments stay: {text}");
         self.run(&self.read(text))
     }
+}
+
+/// The motion of seven joints, one of which may stay where it is.
+fn moved_but(still: Option<usize>) -> [Series; 3] {
+    let mut all = motion(7);
+    for (series, at) in all.iter_mut().zip([STILL_AT, 0.0, 0.0]) {
+        (0..series.len()).for_each(|k| still.iter().for_each(|&j| series.sample_mut(k)[j] = at));
+    }
+    all
 }
 
 /// Sines of every joint: position, velocity, acceleration.
