@@ -59,7 +59,6 @@ pub struct RecordingStep {
     #[serde(default, skip_serializing_if = "is_false")]
     pub with_velocity: bool,
     /// The change.
-    #[serde(flatten)]
     pub step: RemedyStep,
 }
 

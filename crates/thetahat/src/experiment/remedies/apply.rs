@@ -36,7 +36,7 @@ impl Experiment {
             comment += &said(remedy, &draft.changes[before..]);
         }
         let name = self.path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        Ok(format!("# {} with {}:\n{comment}\n{}", visible(&name), codes.join(", "), draft.text))
+        Ok(format!("# {} with {}:\n{comment}\n{}", visible(&name), visible(&codes.join(", ")), draft.text))
     }
 
     fn make(&self, draft: &mut Draft<'_>, step: &RecordingStep, remedy: &Remedy) -> Result<(), ExperimentError> {
@@ -48,12 +48,13 @@ impl Experiment {
 /// A remedy and its changes as lines of a comment.
 fn said(remedy: &Remedy, changes: &[SettingChange]) -> String {
     let found: String = visible(&remedy.found).chars().take(LONGEST).collect();
-    let mut text = format!("# {}: {} ({found})\n", remedy.code, visible(&remedy.label));
+    let mut text = format!("# {}: {} ({found})\n", visible(&remedy.code), visible(&remedy.label));
     for change in changes {
         let value = |value: &Option<String>| {
             value.as_ref().map_or_else(|| "nothing".to_owned(), |value| visible(value).into_owned())
         };
-        text += &format!("#   {}: {} instead of {}\n", change.key, value(&change.after), value(&change.before));
+        text +=
+            &format!("#   {}: {} instead of {}\n", visible(&change.key), value(&change.after), value(&change.before));
     }
     text
 }

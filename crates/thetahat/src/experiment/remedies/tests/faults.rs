@@ -4,7 +4,7 @@ use super::twin::{Log, RATE_HZ, STILL_AT, Twin, largest_difference, largest_erro
 use crate::{Experiment, Results, experiment::ExperimentError};
 use thetahat_estimation::checks::Code;
 use thetahat_ground::series::Series;
-use thetahat_report::results::Remedy;
+use thetahat_report::results::{RecordingStep, Remedy, RemedySignal, RemedyStep};
 
 const KEYS: &str = "[signal]\ncutoff_hz = 15\ndecimation = 8\n\n[estimation]\nmethods = [\"idim-ls\"]\n";
 
@@ -178,7 +178,7 @@ fn friction_of_the_load_gets_its_term() {
 #[test]
 fn a_filter_that_removes_motion_is_raised() {
     let twin = Twin::new();
-    let experiment = twin.experiment(&KEYS.replace("cutoff_hz = 15", "cutoff_hz = 0.6 # low"));
+    let experiment = twin.experiment(&KEYS.replace("cutoff_hz = 15", "cutoff_hz = 0.7 # low"));
     let before = twin.run(&experiment);
     let after = twin.remedied(&experiment, &before, &["cutoff-low"]);
     let errors = [&before, &after, clean()].map(largest_error);
@@ -260,4 +260,46 @@ fn parameters_that_are_not_essential_are_left_out() {
     assert!(error(&after) <= 1.01 * error(before), "{}, before {}", error(&after), error(before));
     assert!(largest_error(&after) < NEAR_TRUTH, "{}", largest_error(&after));
     assert!(run_of(&after).parameters.len() < run_of(before).parameters.len());
+}
+
+/// The remedies of a results.json from elsewhere cannot write more than a comment and the keys of their steps.
+#[test]
+fn a_hostile_remedy_stays_in_its_comment() {
+    let twin = Twin::new();
+    let experiment = twin.experiment(KEYS);
+    let step = |step: RemedyStep| RecordingStep {
+        recording: Some("1".to_owned()),
+        held_back: false,
+        with_reference: false,
+        with_velocity: false,
+        step,
+    };
+    let remedy = |code: &str, steps| Remedy {
+        code: code.to_owned(),
+        label: "a\n[signal]\ncutoff_hz = 1".to_owned(),
+        found: "b\nrobot = \"/etc/passwd\"".to_owned(),
+        finding: None,
+        also: Vec::new(),
+        cause: None,
+        changes: Vec::new(),
+        steps,
+    };
+    let code = "c\nrobot = 1";
+    let text = experiment
+        .with_remedies(&[remedy(code, vec![step(RemedyStep::Delay { delay_s: 0.01 })])], &[code.to_owned()])
+        .unwrap();
+    let [before, after]: [toml::Table; 2] = [&experiment.text, &text].map(|text| toml::from_str(text).unwrap());
+    let mut expected = before;
+    expected["recording"]["torque"].as_table_mut().unwrap().insert("delay_s".to_owned(), 0.01.into());
+    assert_eq!(after, expected);
+    for wrong in [
+        RemedyStep::ExchangeJoints { signal: RemedySignal::Torque, joints: [0, 1] },
+        RemedyStep::ExchangeJoints { signal: RemedySignal::Both, joints: [1, 99] },
+        RemedyStep::Scale { position: vec![2.0], torque: Vec::new() },
+        RemedyStep::LockJoint { joint: 0, name: "j1".to_owned(), value: 0.0 },
+        RemedyStep::CorrectReference { delay_s: vec![0.0], scale: Vec::new(), offset: Vec::new() },
+    ] {
+        let error = experiment.with_remedies(&[remedy("x", vec![step(wrong)])], &["x".to_owned()]).unwrap_err();
+        assert!(matches!(error, ExperimentError::NoRemedy { .. }), "{error}");
+    }
 }
