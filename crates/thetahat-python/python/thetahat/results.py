@@ -420,7 +420,7 @@ class Result:
             Where a file is there.
         """
         if not self._data.get("experiment_description"):
-            raise ResultsError("these results are of arrays and have no experiment file: change the settings or columns as the findings say")
+            raise ResultsError("these results are of arrays and have no experiment file; do what the findings say")
         path = os.fspath(out)
         text = self._native.with_remedies(path, list(codes))
         with open(path, "x", encoding="utf-8", newline="") as file:
