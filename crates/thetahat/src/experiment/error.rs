@@ -129,7 +129,7 @@ pub enum ExperimentError {
         known: Vec<String>,
     },
     /// A remedy cannot be written into this file.
-    #[error("{}: the remedy {code} ({label}) cannot be written into this file; change it by hand", path.display())]
+    #[error("{}: the remedy {code} ({label}) cannot be written into this file; apply it in a run of its own, or change the file by hand", path.display())]
     NoRemedy {
         /// The experiment.
         path: PathBuf,

@@ -1,28 +1,18 @@
 //! The remedies of results: one for each finding, or cause that the model names, whose remedy is a setting.
 
-use super::{label::label, steps::Draft};
+use super::{
+    candidate::{Candidate, is_of_recording, moves_position},
+    causes::of_causes,
+    chains::{chained, together},
+    label::label,
+    steps::Draft,
+};
 use crate::experiment::description::{Experiment, ExperimentFile, RecordingDescription};
 use thetahat_estimation::checks::{Code, Finding, Severity};
 use thetahat_model::robot::Robot;
 use thetahat_report::results::{
     CauseKind, ModelCause, ReasonCode, RecordingFindings, RecordingStep, Remedy, RemedyStep, Results, VerdictReason,
 };
-
-/// A step with the code under which it is asked for.
-#[derive(Debug, Clone)]
-struct Candidate {
-    code: String,
-    /// The joint of the finding, by its coordinate from zero.
-    coordinate: Option<usize>,
-    found: String,
-    finding: Option<Code>,
-    /// Findings of earlier links of its chain.
-    also: Vec<Code>,
-    cause: Option<CauseKind>,
-    step: RecordingStep,
-    /// Steps before it, which it holds after.
-    before: Vec<RecordingStep>,
-}
 
 /// Enters the remedies of the results, and their codes into the reasons of the verdict.
 pub(in crate::experiment) fn enter(experiment: &Experiment, results: &mut Results) {
@@ -75,7 +65,9 @@ fn remedies(
         |candidate: &Candidate| !matches!(candidate.step.step, RemedyStep::LockJoint { .. }) || in_all(&candidate.code);
     let mut is_kept = all.iter().map(is_kept).collect::<Vec<bool>>().into_iter();
     all.retain(|_| is_kept.next().unwrap_or(true));
-    all.extend(of_causes(experiment, causes));
+    // What the checks correct already the model does not correct again.
+    let known: Vec<String> = all.iter().map(|candidate| candidate.code.clone()).collect();
+    all.extend(of_causes(experiment, causes).into_iter().filter(|candidate| !known.contains(&candidate.code)));
     let mut codes: Vec<String> = Vec::new();
     for candidate in &all {
         if !codes.contains(&candidate.code) {
@@ -169,40 +161,6 @@ fn is_correction(code: Code) -> bool {
     )
 }
 
-/// Whether a step changes the description of a recording.
-fn is_of_recording(step: &RemedyStep) -> bool {
-    match step {
-        RemedyStep::ExchangeJoints { .. }
-        | RemedyStep::Scale { .. }
-        | RemedyStep::Side { .. }
-        | RemedyStep::Delay { .. }
-        | RemedyStep::Hold
-        | RemedyStep::EqualSteps { .. }
-        | RemedyStep::CorrectReference { .. } => true,
-        RemedyStep::Cutoff { .. }
-        | RemedyStep::LeaveOutRests
-        | RemedyStep::Essential { .. }
-        | RemedyStep::LockJoint { .. }
-        | RemedyStep::AddTerm { .. } => false,
-    }
-}
-
-fn moves_position(step: &RemedyStep) -> bool {
-    match step {
-        RemedyStep::ExchangeJoints { signal, .. } | RemedyStep::Side { signal, .. } => signal.has_position(),
-        RemedyStep::Scale { position, .. } => !position.is_empty(),
-        RemedyStep::Delay { .. }
-        | RemedyStep::Hold
-        | RemedyStep::EqualSteps { .. }
-        | RemedyStep::CorrectReference { .. }
-        | RemedyStep::Cutoff { .. }
-        | RemedyStep::LeaveOutRests
-        | RemedyStep::Essential { .. }
-        | RemedyStep::LockJoint { .. }
-        | RemedyStep::AddTerm { .. } => false,
-    }
-}
-
 /// The code of a finding, with the joints that it is about.
 fn code_of(finding: &Finding, robot: &Robot) -> String {
     let code = finding.code.name();
@@ -214,190 +172,6 @@ fn code_of(finding: &Finding, robot: &Robot) -> String {
         (Some(RemedyStep::CorrectReference { .. }), _) | (_, None) => code.to_owned(),
         (_, Some(joint)) => format!("{code}-{joint}"),
     }
-}
-
-/// Factors of every joint become one remedy: all torques with the opposite sign, or all positions in degrees.
-fn together(candidates: Vec<Candidate>, robot: &Robot) -> Vec<Candidate> {
-    let n = robot.coordinate_count();
-    let mut all: Vec<Candidate> = Vec::new();
-    for candidate in &candidates {
-        let group: Vec<&Candidate> = candidates.iter().filter(|other| candidate.has_factors_with(other)).collect();
-        let is_at = |coordinate: usize| group.iter().any(|other| other.coordinate == Some(coordinate));
-        if n < 2 || group.len() != n || !(0..n).all(is_at) {
-            all.push(candidate.clone());
-        } else if std::ptr::eq(group[0], candidate) {
-            all.push(group[1..].iter().fold(candidate.clone(), |all, other| all.and(other)).of_all());
-        }
-    }
-    all
-}
-
-impl Candidate {
-    /// Whether both have the same finding, of one joint, and factors of the same signals.
-    fn has_factors_with(&self, other: &Self) -> bool {
-        let signals = |candidate: &Self| match &candidate.step.step {
-            RemedyStep::Scale { position, torque } => Some((position.is_empty(), torque.is_empty())),
-            _ => None,
-        };
-        let own = signals(self).filter(|_| self.coordinate.is_some() && other.coordinate.is_some());
-        self.finding == other.finding && own.is_some() && own == signals(other)
-    }
-
-    /// With the factors of another one in addition.
-    fn and(mut self, other: &Self) -> Self {
-        if let (RemedyStep::Scale { position, torque }, RemedyStep::Scale { position: p, torque: t }) =
-            (&mut self.step.step, &other.step.step)
-        {
-            position.iter_mut().zip(p).for_each(|(own, factor)| *own *= factor);
-            torque.iter_mut().zip(t).for_each(|(own, factor)| *own *= factor);
-        }
-        self
-    }
-
-    fn of_all(self) -> Self {
-        let code = self.finding.map_or(self.code, |finding| finding.name().to_owned());
-        Self { code, coordinate: None, found: format!("at every joint: {}", self.found), ..self }
-    }
-}
-
-/// Corrections of the same joints are links of a chain, each found in the recording that the earlier ones have corrected: they become one
-/// remedy. A torque with the other sign, and then torque and position of that joint, is a position with the other sign.
-fn chained(candidates: Vec<Candidate>, n: usize) -> Vec<Candidate> {
-    let mut all: Vec<Candidate> = Vec::new();
-    for candidate in candidates {
-        let joints = joints_of(&candidate.step.step, n);
-        let shares = |other: &Candidate| {
-            let steps = other.before.iter().chain([&other.step]);
-            steps.flat_map(|step| joints_of(&step.step, n)).any(|joint| joints.contains(&joint))
-        };
-        match all.iter().position(shares) {
-            Some(place) => {
-                let earlier = all.remove(place);
-                all.push(candidate.after(earlier));
-            }
-            None => all.push(candidate),
-        }
-    }
-    all
-}
-
-/// The joints whose channels a step corrects one by one, from one; empty where it corrects all alike.
-fn joints_of(step: &RemedyStep, n: usize) -> Vec<usize> {
-    match step {
-        RemedyStep::ExchangeJoints { joints, .. } => joints.to_vec(),
-        RemedyStep::Scale { position, torque } => {
-            let is_scaled = |k: usize| [position, torque].iter().any(|f| f.get(k - 1).is_some_and(|f| *f != 1.0));
-            let joints: Vec<usize> = (1..=n).filter(|k| is_scaled(*k)).collect();
-            if n > 1 && joints.len() == n { Vec::new() } else { joints }
-        }
-        RemedyStep::Side { .. }
-        | RemedyStep::Delay { .. }
-        | RemedyStep::Hold
-        | RemedyStep::EqualSteps { .. }
-        | RemedyStep::CorrectReference { .. }
-        | RemedyStep::Cutoff { .. }
-        | RemedyStep::LeaveOutRests
-        | RemedyStep::Essential { .. }
-        | RemedyStep::LockJoint { .. }
-        | RemedyStep::AddTerm { .. } => Vec::new(),
-    }
-}
-
-/// Factors one after the other; none if one of the steps has another form.
-fn product(first: &RemedyStep, second: &RemedyStep) -> Option<RemedyStep> {
-    let (RemedyStep::Scale { position, torque }, RemedyStep::Scale { position: p, torque: t }) = (first, second) else {
-        return None;
-    };
-    let times = |a: &[f64], b: &[f64]| -> Vec<f64> {
-        let n = a.len().max(b.len());
-        let of = |factors: &[f64], j: usize| factors.get(j).copied().unwrap_or(1.0);
-        let both: Vec<f64> = (0..n).map(|j| of(a, j) * of(b, j)).collect();
-        if both.iter().all(|factor| *factor == 1.0) { Vec::new() } else { both }
-    };
-    Some(RemedyStep::Scale { position: times(position, p), torque: times(torque, t) })
-}
-
-impl Candidate {
-    /// The candidate as the last link of a chain.
-    fn after(mut self, earlier: Self) -> Self {
-        self.also = earlier.also.into_iter().chain(earlier.finding).collect();
-        self.before = earlier.before;
-        match product(&earlier.step.step, &self.step.step) {
-            Some(step) => {
-                self.step.with_reference |= earlier.step.with_reference;
-                self.step.with_velocity |= earlier.step.with_velocity;
-                self.step.step = step;
-            }
-            None => self.before.push(earlier.step),
-        }
-        self
-    }
-}
-
-/// What the model names and a setting mends.
-fn of_causes(experiment: &Experiment, causes: &[ModelCause]) -> Vec<Candidate> {
-    let sure = causes.iter().filter(|cause| cause.rivals.is_empty());
-    sure.flat_map(|cause| of_cause(experiment, cause)).collect()
-}
-
-fn of_cause(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
-    match cause.kind {
-        CauseKind::GearRatio => of_gear(experiment, cause),
-        CauseKind::LoadFriction => {
-            let term = "load-friction".to_owned();
-            let step = RecordingStep {
-                recording: None,
-                held_back: false,
-                with_reference: false,
-                with_velocity: false,
-                step: RemedyStep::AddTerm { term },
-            };
-            vec![candidate(cause, "load-friction".to_owned(), step)]
-        }
-        CauseKind::LateTorque
-        | CauseKind::EncoderZero
-        | CauseKind::Elasticity
-        | CauseKind::Length
-        | CauseKind::Coupling
-        | CauseKind::SpeedFriction
-        | CauseKind::FrictionDrift
-        | CauseKind::Payload => Vec::new(),
-    }
-}
-
-fn candidate(cause: &ModelCause, code: String, step: RecordingStep) -> Candidate {
-    let found = format!("The residual shows {}", cause.kind.with_subject(&cause.subject));
-    let (also, before) = (Vec::new(), Vec::new());
-    Candidate { code, coordinate: None, found, finding: None, also, cause: Some(cause.kind), step, before }
-}
-
-/// Positions that are too large by a ratio, and torques that are too small by it, in every recording. A simulated loop has the
-/// ratio of the description, which no channel changes.
-fn of_gear(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
-    let n = experiment.robot.coordinate_count();
-    let number = cause.subject.strip_prefix("joint ").and_then(|number| number.parse::<usize>().ok());
-    let Some((number, size)) = number.filter(|k| (1..=n).contains(k)).zip(cause.size) else { return Vec::new() };
-    if experiment.settings.controller.is_some() {
-        return Vec::new();
-    }
-    let ratio = 1.0 + size;
-    let factors = |factor: f64| (1..=n).map(|k| if k == number { factor } else { 1.0 }).collect();
-    let step = RemedyStep::Scale { position: factors(1.0 / ratio), torque: factors(ratio) };
-    let code = format!("gear-ratio-{}", experiment.robot.joint_of(number - 1) + 1);
-    let of = |held_back: bool, all: &[RecordingDescription]| -> Vec<Candidate> {
-        let one = |(i, d): (usize, &RecordingDescription)| {
-            let step = RecordingStep {
-                recording: Some(d.name.clone().unwrap_or_else(|| (i + 1).to_string())),
-                held_back,
-                with_reference: d.reference.is_some(),
-                with_velocity: d.velocity.is_some(),
-                step: step.clone(),
-            };
-            candidate(cause, code.clone(), step)
-        };
-        all.iter().enumerate().map(one).collect()
-    };
-    [of(false, &experiment.file.recording), of(true, &experiment.file.validation)].concat()
 }
 
 /// The remedy with a code; none if the file has no place for it.

@@ -6,6 +6,9 @@
 //! other bytes stay. [`Experiment::with_remedies`](crate::Experiment::with_remedies) does what is asked for by codes.
 
 mod apply;
+mod candidate;
+mod causes;
+mod chains;
 mod channels;
 mod collect;
 mod label;
