@@ -23,9 +23,9 @@ pub(super) fn together(candidates: Vec<Candidate>, robot: &Robot) -> Vec<Candida
 impl Candidate {
     /// Whether both have the same finding, of one joint, and factors of the same signals.
     fn has_factors_with(&self, other: &Self) -> bool {
-        let signals = |candidate: &Self| match &candidate.step.step {
-            RemedyStep::Scale { position, torque } => Some((position.is_empty(), torque.is_empty())),
-            _ => None,
+        let signals = |candidate: &Self| {
+            let RemedyStep::Scale { position, torque } = &candidate.step.step else { return None };
+            Some((position.is_empty(), torque.is_empty()))
         };
         let own = signals(self).filter(|_| self.coordinate.is_some() && other.coordinate.is_some());
         self.finding == other.finding && own.is_some() && own == signals(other)

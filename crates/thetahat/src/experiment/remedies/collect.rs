@@ -139,6 +139,13 @@ fn of_recording(experiment: &Experiment, recording: &RecordingFindings, is_late:
     }
     found.sort_by_key(|(order, _)| *order);
     let mut all: Vec<Candidate> = found.into_iter().map(|(_, candidate)| candidate).collect();
+    // The checks correct a side by ratios, without the couplings and signs of the transmission: what they find then may be of these.
+    let side = all.iter().position(|candidate| matches!(candidate.step.step, RemedyStep::Side { .. }));
+    if let Some(side) = side {
+        let mut place = 0..all.len();
+        let is_before = |place: Option<usize>| place.is_none_or(|place| place <= side);
+        all.retain(|candidate| is_before(place.next()) || !candidate.finding.is_some_and(is_correction));
+    }
     for i in 0..all.len() {
         let same = all[..i].iter().filter(|other| other.code == all[i].code).count();
         if same > 0 {

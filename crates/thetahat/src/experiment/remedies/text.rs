@@ -157,7 +157,7 @@ impl<'t, 'i> Place<'t, 'i> {
             return line_after(text, self.span.end, entry);
         }
         // Dotted keys: the new one stands below another with the same beginning.
-        let (key, value) = self.table.iter().last()?;
+        let (key, value) = self.table.iter().next_back()?;
         let start = text.get(..key.span().start)?.rfind('\n').map_or(0, |at| at + 1);
         let beginning = text.get(start..key.span().start)?;
         line_after(text, value.span().end, &format!("{beginning}{entry}"))

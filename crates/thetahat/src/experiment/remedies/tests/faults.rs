@@ -2,7 +2,7 @@ use std::sync::OnceLock;
 
 use super::twin::{Log, RATE_HZ, STILL_AT, Twin, largest_difference, largest_error, run_of, truth};
 use crate::{Experiment, Results, experiment::ExperimentError};
-use thetahat_estimation::checks::Code;
+use thetahat_estimation::{checks::Code, signal::delayed};
 use thetahat_ground::series::Series;
 use thetahat_report::results::{RecordingStep, Remedy, RemedySignal, RemedyStep};
 
@@ -145,6 +145,13 @@ fn late_torques_get_their_delay() {
     let delay: f64 = remedy.changes[0].after.as_ref().unwrap().parse().unwrap();
     assert!((delay - 3.0 / RATE_HZ).abs() < 0.1 / RATE_HZ, "{delay}");
     assert!(remedy.label.starts_with("Torque 1") && remedy.label.ends_with(" ms late"), "{}", remedy.label);
+}
+
+#[test]
+fn torques_that_are_held_are_said_to_be() {
+    let fault = |log: &mut Log| log.torque = delayed(&log.torque, &vec![-0.5; log.torque.channels()]);
+    let (before, _) = mended(fault, &["lag"], NEARLY_SAME);
+    assert_eq!(remedy(&before, "lag").label, "Torque held until the next sample");
 }
 
 #[test]
