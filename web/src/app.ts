@@ -1,8 +1,8 @@
 // The actions of the user and their effects.
 
 import { Cancelled, Client, SessionError, Trapped } from "./client";
-import type { DemoAnswer, Exported, Identified, InitRequest, Kind, Understanding } from "./contract";
-import { EMPTY, isOwnText, requestOf, type Choices, type Experiment, type ExportFormat, type ListedFile, type Problem, type State, type TaskName } from "./state";
+import type { DemoAnswer, Exported, Identified, InitRequest, Kind, Remedy, Understanding } from "./contract";
+import { EMPTY, isOwnText, requestOf, type Choices, type Experiment, type ExportFormat, type ListedFile, type Problem, type Run, type State, type TaskName } from "./state";
 
 /** A file as it was dropped or chosen, with its path below what was dropped. */
 export interface GivenFile {
@@ -92,9 +92,31 @@ export class App {
   }
 
   async identify(): Promise<void> {
-    this.set({ identified: null, exported: null });
-    const isChosen = this.state.experiment?.origin !== "proposed" || (await this.task("propose", () => this.propose()));
-    if (isChosen) await this.task("identify", () => this.run());
+    this.set({ identified: null, exported: null, changed: null });
+    if (await this.isChosen()) await this.task("identify", () => this.run());
+  }
+
+  /** Applies a remedy to the experiment and identifies again; the run before stays for comparison. */
+  async mend(remedies: Remedy[], { code, label }: Remedy): Promise<void> {
+    const before = this.state.identified;
+    if (!(await this.isChosen())) return;
+    const isApplied = await this.task("apply", async () => {
+      const { text } = this.state.experiment!;
+      const mended = await this.client.call("apply", [text, JSON.stringify(remedies), JSON.stringify([code])]);
+      this.set({ experiment: { text: mended, origin: "edited" }, said: `${label}: applied.` });
+    });
+    if (!isApplied) return;
+    this.set({ identified: null, exported: null, changed: null });
+    if (!(await this.task("identify", () => this.run())) || !before) return;
+    await this.task("identify", async () => {
+      const [old, own] = [before, this.state.identified!].map(resultsOf);
+      this.set({ changed: { label, before, text: await this.client.call("changed", [old, own]) } });
+    });
+  }
+
+  /** Chooses the filter of a proposal that has none yet. */
+  private async isChosen(): Promise<boolean> {
+    return this.state.experiment?.origin !== "proposed" || this.task("propose", () => this.propose());
   }
 
   cancel(): void {
@@ -104,7 +126,7 @@ export class App {
   async export(format: ExportFormat, untrusted: boolean): Promise<void> {
     const { identified } = this.state;
     if (!identified) return;
-    const results = identified.files["results.json"] ?? JSON.stringify(identified.results);
+    const results = resultsOf(identified);
     await this.task("export", async () => {
       const answer = JSON.parse(await this.client.call("export", [results, format, untrusted])) as Exported;
       this.set({ exported: { format, answer }, said: `The robot is written as ${format.toUpperCase()}.` });
@@ -237,6 +259,11 @@ function tooLarge(path: string, bytes: number): string | null {
   if (found <= LARGEST_FILE) return null;
   return `${path}: ${found} MiB, more than the ${LARGEST_FILE} MiB that the page can read; the command \`thetahat reduce\` reads recordings of any `
     + "length, and `thetahat solve` identifies from its output";
+}
+
+/** The text of `results.json`. */
+function resultsOf(run: Run): string {
+  return run.files["results.json"] ?? JSON.stringify(run.results);
 }
 
 function problemOf(at: TaskName, error: unknown): Problem | null {

@@ -102,6 +102,16 @@ export interface Finding {
   joint: string | null;
   text: string;
   remedy: string | null;
+  /** Codes of its remedies that can be applied. */
+  apply?: string[];
+}
+
+/** A change of the experiment that removes the cause of a finding. */
+export interface Remedy {
+  code: string;
+  label: string;
+  found: string;
+  changes: { key: string; before: string | null; after: string | null }[];
 }
 
 export interface Understanding {
@@ -116,10 +126,11 @@ export interface Understanding {
   unfinished: string | null;
   series: Series | null;
   findings: Finding[];
+  remedies: Remedy[];
 }
 
 export interface Identified {
-  results: { verdict: Verdict | null; robot: string; title: string; advice: { recommended: string | null }[] };
+  results: { verdict: Verdict | null; robot: string; title: string; advice: { recommended: string | null }[]; remedies?: Remedy[] };
   report: string;
   files: Record<string, string>;
   text: string;
@@ -139,7 +150,7 @@ export interface DemoAnswer {
 }
 
 /** The methods of the session that the page calls. */
-export type Method = "put" | "remove" | "kind" | "understand" | "propose" | "identify" | "demo" | "export";
+export type Method = "put" | "remove" | "kind" | "understand" | "propose" | "identify" | "apply" | "changed" | "demo" | "export";
 
 /** Messages to the worker that holds the session, first the module and then calls, and to each of its threads. */
 export type ToWorker =

@@ -24,7 +24,15 @@ export interface Run extends Identified {
   experiment: string;
 }
 
-export type TaskName = "read" | "understand" | "propose" | "identify" | "export";
+/** What a run with a remedy changed against the run before, which stays. */
+export interface Changed {
+  /** What the remedy does. */
+  label: string;
+  before: Run;
+  text: string;
+}
+
+export type TaskName = "read" | "understand" | "propose" | "identify" | "apply" | "export";
 
 export interface Task {
   name: TaskName;
@@ -52,6 +60,8 @@ export interface State {
   understanding: Understanding | null;
   experiment: Experiment | null;
   identified: Run | null;
+  /** Null if the last run had no remedy, or none before it. */
+  changed: Changed | null;
   /** The answer of the last export. */
   exported: { format: ExportFormat; answer: Exported } | null;
   task: Task | null;
@@ -68,6 +78,7 @@ export const EMPTY: State = {
   understanding: null,
   experiment: null,
   identified: null,
+  changed: null,
   exported: null,
   task: null,
   problem: null,
@@ -81,7 +92,7 @@ export function isOwnText(experiment: Experiment | null): boolean {
 
 /** Whether the filter is being chosen or the robot identified: the inputs must not change. */
 export function isAtWork({ task }: State): boolean {
-  return task?.name === "propose" || task?.name === "identify";
+  return task?.name === "propose" || task?.name === "identify" || task?.name === "apply";
 }
 
 /** The arguments of `thetahat init` for the files and choices. */

@@ -51,6 +51,8 @@ function answerOf(session: Session, method: Method, args: unknown[], stage: (tex
     case "understand": return session.understand(first);
     case "propose": return session.propose(first, stage);
     case "identify": return session.identify(first, stage);
+    case "apply": return session.apply(first, second, third);
+    case "changed": return session.changed(first, second);
     case "demo": return session.demo();
     case "export": return session.export(first, second, third);
   }

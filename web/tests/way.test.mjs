@@ -1,6 +1,7 @@
 // The whole way of a person, and its figures against the command line's.
 
 import assert from "node:assert/strict";
+import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { assertSame, folderOf, identified, proposed, thetahat } from "./command.mjs";
@@ -58,6 +59,29 @@ for (const { name, robot, logs } of RECORDED) {
     return compare(t, robot(folder), logs.map((log) => join(folder, log)));
   });
 }
+
+test("a remedy: one button mends the experiment and identifies again", async (t) => {
+  const folder = folderOf(t, [ARM, join(REPOSITORY, "examples/arm/twin.toml")]);
+  thetahat(folder, "simulate", "twin.toml", "--out", "log.csv");
+  const log = join(folder, "log.csv");
+  // The names of the first two torques exchanged.
+  const text = readFileSync(log, "utf8");
+  writeFileSync(log, text.replace("torque_1", "other").replace("torque_2", "torque_1").replace("other", "torque_2"));
+  const { page, assertQuiet, close } = await visit(site);
+  t.after(close);
+  await choose(page, "Choose robot", [ARM]);
+  await choose(page, "Choose logs", [log]);
+  await untilReady(page);
+  assert.match(await identify(page), /^Verdict: do not use/);
+  const remedies = page.getByRole("list", { name: "Remedies" });
+  await remedies.getByRole("button", { name: /^Exchange the torques of joints 1 and 2/ }).click();
+  const change = page.getByRole("region", { name: /^Change by: Exchange/ });
+  await change.waitFor({ timeout: 120_000 });
+  assert.match(await change.innerText(), /verdict +(good|care), before do-not-use/);
+  await openFolds(page);
+  assert.match(await page.getByRole("textbox", { name: "experiment.toml" }).inputValue(), /"torque_2", "torque_1"/);
+  assertQuiet();
+});
 
 /** Goes the whole way with files, and compares what it yields with the command line's. */
 async function compare(t, robot, logs, joints) {

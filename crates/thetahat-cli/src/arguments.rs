@@ -108,7 +108,7 @@ pub struct Man {
 }
 
 /// Options for the output of results.
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub struct Shown {
     /// Print every table: all methods and cases, diagnosis, convergence
     #[arg(long, conflicts_with_all = ["quiet", "json"])]
@@ -121,7 +121,7 @@ pub struct Shown {
     pub json: bool,
 }
 
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub struct Output {
     #[command(flatten)]
     pub shown: Shown,
@@ -133,7 +133,7 @@ pub struct Output {
 }
 
 /// Options for replacing files.
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub struct Force {
     /// Replace files that thetahat did not write; inputs and devices are never replaced
     #[arg(long)]
@@ -248,6 +248,10 @@ pub struct Identify {
     pub described: Described,
     #[command(flatten)]
     pub output: Output,
+    /// Change the experiment as the remedies of these codes say: its next version is written next to it, identified, and
+    /// compared with the run before; results.json of that run is looked for in --out, and those of this one go to DIR.2
+    #[arg(long, value_name = "CODES", value_delimiter = ',')]
+    pub apply: Vec<String>,
 }
 
 fn at_least_one(text: &str) -> Result<usize, String> {
@@ -269,7 +273,7 @@ pub struct Sensitivity {
 }
 
 /// An experiment with its data.
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub struct Described {
     /// The experiment file
     #[arg(value_name = "EXPERIMENT.toml")]

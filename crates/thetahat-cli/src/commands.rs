@@ -20,14 +20,14 @@ use crate::{
     campaign, design, export, generate,
     inputs::{read_experiment, threads},
     progress::{Counter, Progress},
-    proposal, reduction, shell,
-    shown::show,
+    proposal, reduction, remedied, shell,
+    shown::{Remark, show},
     terminal::{Ending, print, width},
 };
 
 pub fn run(arguments: Arguments) -> Result<Ending, Box<dyn Error>> {
     match arguments.command {
-        Command::Demo(output) => run_experiment(&Experiment::demo()?, Path::new(""), &output),
+        Command::Demo(output) => run_experiment(&Experiment::demo()?, Path::new(""), &output, None),
         Command::Inspect(inspect) => proposal::inspect_recordings(&inspect),
         Command::Init(init) => proposal::write_experiment(&init),
         Command::Check(check) => check_experiment(&check),
@@ -88,11 +88,20 @@ fn compare_results(request: &Compare) -> Result<Ending, Box<dyn Error>> {
 }
 
 fn identify_experiment(identify: &Identify) -> Result<Ending, Box<dyn Error>> {
+    if !identify.apply.is_empty() {
+        return remedied::identify_with_remedies(identify);
+    }
     let (experiment, data) = read_experiment(&identify.described)?;
-    run_experiment(&experiment, &data, &identify.output)
+    let apply = remedied::command(&identify.described, &identify.output);
+    run_experiment(&experiment, &data, &identify.output, Some(&apply))
 }
 
-fn run_experiment(experiment: &Experiment, data: &Path, output: &Output) -> Result<Ending, Box<dyn Error>> {
+fn run_experiment(
+    experiment: &Experiment,
+    data: &Path,
+    output: &Output,
+    apply: Option<&str>,
+) -> Result<Ending, Box<dyn Error>> {
     if let Some(directory) = &output.out {
         OutputGuard::new(experiment.input_files(data), output.force.force).folder(directory, report::file_names())?;
     }
@@ -100,7 +109,7 @@ fn run_experiment(experiment: &Experiment, data: &Path, output: &Output) -> Resu
     let mut progress = Progress::new();
     let results = experiment.run(data, &mut |stage| progress.show(stage))?;
     drop(progress);
-    show(&results, published.as_ref(), output, "")
+    show(&results, published.as_ref(), output, &Remark { note: "", apply })
 }
 
 fn predict_torques(request: &Predict) -> Result<Ending, Box<dyn Error>> {

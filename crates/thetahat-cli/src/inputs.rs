@@ -12,11 +12,20 @@ use crate::arguments::Described;
 
 /// The experiment, and the folder of its data.
 pub fn read_experiment(described: &Described) -> Result<(Experiment, PathBuf), Box<dyn Error>> {
-    let folder = described.experiment.parent().map_or_else(PathBuf::new, Path::to_owned);
-    let data = described.data.clone().unwrap_or(folder);
-    let experiment = match &described.robot {
-        Some(robot) => Experiment::read_with_robot(&described.experiment, robot)?,
-        None => Experiment::read(&described.experiment, &data)?,
+    read_described(&described.experiment, described.data.as_deref(), described.robot.as_deref())
+}
+
+/// The same of a file with its options.
+pub fn read_described(
+    file: &Path,
+    data: Option<&Path>,
+    robot: Option<&Path>,
+) -> Result<(Experiment, PathBuf), Box<dyn Error>> {
+    let folder = file.parent().map_or_else(PathBuf::new, Path::to_owned);
+    let data = data.map_or(folder, Path::to_owned);
+    let experiment = match robot {
+        Some(robot) => Experiment::read_with_robot(file, robot)?,
+        None => Experiment::read(file, &data)?,
     };
     Ok((experiment, data))
 }

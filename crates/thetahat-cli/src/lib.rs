@@ -10,6 +10,7 @@ mod inputs;
 mod progress;
 mod proposal;
 mod reduction;
+mod remedied;
 mod remedies;
 mod shell;
 mod shown;

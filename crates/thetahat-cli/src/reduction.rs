@@ -17,7 +17,7 @@ use crate::{
     arguments,
     inputs::{read_experiment, threads},
     progress::Counter,
-    shown::show,
+    shown::{Remark, show},
     terminal::{Ending, print},
 };
 
@@ -62,7 +62,12 @@ pub fn solve(request: &arguments::Solve) -> Result<Ending, Box<dyn Error>> {
     let solution = reduction.solve()?;
     let published = published(&reduction);
     request.merged.iter().try_for_each(|path| reduction.write(path))?;
-    show(&solution.results, published.as_ref(), &request.output, &note(&solution, request.merged.as_deref()))
+    show(
+        &solution.results,
+        published.as_ref(),
+        &request.output,
+        &Remark { note: &note(&solution, request.merged.as_deref()), apply: None },
+    )
 }
 
 /// Where the intervals come from, what was not examined, and where the merged reductions are.

@@ -10,12 +10,21 @@ use crate::{
     terminal::{Ending, print, print_verdict, width},
 };
 
-/// Shows results as requested and writes their files, with an additional note.
+/// What is shown with results.
+#[derive(Default)]
+pub struct Remark<'a> {
+    /// A text below the tables.
+    pub note: &'a str,
+    /// The command that applies remedies, without their codes, where there is an experiment file.
+    pub apply: Option<&'a str>,
+}
+
+/// Shows results as requested and writes their files.
 pub fn show(
     results: &Results,
     published: Option<&Published>,
     output: &Output,
-    note: &str,
+    remark: &Remark<'_>,
 ) -> Result<Ending, Box<dyn Error>> {
     let files = output.out.as_ref().map(|directory| report::write_all(results, published, directory)).transpose()?;
     if output.shown.json {
@@ -24,11 +33,12 @@ pub fn show(
     }
     if !output.shown.quiet {
         print_verdict(results)?;
-        print(&format!("\n{}{note}\n", tables(results, published, output.shown.full)))?;
+        print(&format!("\n{}{note}\n", tables(results, published, output.shown.full), note = remark.note))?;
         print(&written(files.as_deref(), results.verdict))?;
         print(&format!("{}\n", "-".repeat(width().columns())))?;
     }
     print(&report::card_text(results, width()))?;
+    remark.apply.iter().try_for_each(|command| print(&report::remedies_text(results, command, width())))?;
     print_verdict(results)?;
     Ok(Ending::of(results.verdict))
 }

@@ -96,6 +96,13 @@ impl Results {
         self.results.fixed_parameters.clone()
     }
 
+    /// The text of the experiment, which is at a path, with the remedies of these codes.
+    fn with_remedies(&self, path: PathBuf, codes: Vec<String>) -> Result<String, PythonError> {
+        let (text, robot) = (&self.results.experiment_description, &self.results.robot_description);
+        let experiment = Experiment::from_texts(&path, text.clone(), robot.clone())?;
+        Ok(experiment.with_remedies(&self.results.remedies, &codes)?)
+    }
+
     /// The index of the recommended run.
     fn recommended_run(&self) -> Option<usize> {
         let recommended = self.results.recommended_run()?;

@@ -65,6 +65,35 @@ def test_arrays_give_what_the_file_gives(tmp_path, twin):
     assert th.identify(twin.robot, arrays, cutoff_hz=40, decimation=10).to_csv() == from_file.to_csv()
 
 
+def test_a_remedy_is_applied(tmp_path, twin):
+    """The torques exchanged: the remedy writes the next version of the file, whose results are right."""
+    (tmp_path / "arm.toml").write_text(twin.robot._native.text())
+    table = np.column_stack([twin.recording.position, twin.recording.torque])
+    head = "position_1,position_2,torque_1,torque_2"
+    np.savetxt(tmp_path / "log.csv", table, delimiter=",", header=head, comments="", fmt="%.17g")
+    text = (
+        'title = "x"\nrobot = "arm.toml"\n[recording]\nsample_rate_hz = 1000\n'
+        'position = { file = "log.csv", columns = ["position_1", "position_2"], unit = "rad" }\n'
+        'torque = { file = "log.csv", columns = ["torque_1", "torque_2"], unit = "N m" }\n'
+        "[signal]\ncutoff_hz = 40\ndecimation = 10\n[estimation]\nmethods = ['idim-ls']\n"
+    )
+    (tmp_path / "right.toml").write_text(text)
+    (tmp_path / "experiment.toml").write_text(text.replace('"torque_1", "torque_2"', '"torque_2", "torque_1"'))
+    result = th.run(tmp_path / "experiment.toml")
+    assert result.verdict == "do-not-use"
+    assert "joints-swapped-1-2" in [remedy["code"] for remedy in result.remedies]
+    path = result.apply("joints-swapped-1-2", out=tmp_path / "experiment.2.toml")
+    mended = th.run(path)
+    assert mended.to_csv() == th.run(tmp_path / "right.toml").to_csv()
+    with pytest.raises(FileExistsError):
+        result.apply("joints-swapped-1-2", out=path)
+    with pytest.raises(th.ExperimentError, match="joints-swapped-1-2"):
+        result.apply("lag", out=tmp_path / "other.toml")
+    arrays = th.identify(twin.robot, twin.recording, cutoff_hz=40, decimation=10)
+    with pytest.raises(th.ResultsError, match="of arrays"):
+        arrays.apply("lag", out=tmp_path / "other.toml")
+
+
 def test_the_command_says_what_is_wrong(tmp_path):
     assert command("--version").stdout == f"thetahat {th.__version__}\n"
     done = command("identify", tmp_path / "absent.toml")

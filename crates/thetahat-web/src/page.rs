@@ -101,6 +101,22 @@ impl PageSession {
         to_js(self.0.identify(experiment, &mut |stage| report_stage(progress, stage)))
     }
 
+    /// An experiment with remedies of its findings.
+    ///
+    /// # Errors
+    /// A code that no remedy has, or an experiment that has no place for it.
+    pub fn apply(&self, experiment: &str, remedies: &str, codes: &str) -> Outcome<String> {
+        to_js(self.0.apply(experiment, remedies, codes))
+    }
+
+    /// What a run changed against the run before.
+    ///
+    /// # Errors
+    /// Texts that are not results.
+    pub fn changed(&self, before: &str, after: &str) -> Outcome<String> {
+        to_js(self.0.changed(before, after))
+    }
+
     /// Puts the files of the demonstration into the folder, and returns its request and experiment.
     ///
     /// # Errors

@@ -12,7 +12,10 @@ use thetahat::{
     report::Published,
     robot::RobotSource,
 };
-use thetahat_report::report;
+use thetahat_report::{
+    report::{self, TextWidth},
+    results::Remedy,
+};
 
 use crate::{
     answers::{Demo, Exported, Identified, Understanding},
@@ -143,6 +146,25 @@ impl Session {
         let results = experiment.run_on(recordings, &self.folder, self.threads, progress)?;
         progress("writing the report");
         Ok(serde_json::to_string(&Identified::of(&results, published.as_ref())?)?)
+    }
+
+    /// An experiment with the remedies of these codes: from the remedies of results or of findings, and the codes, as JSON lists.
+    ///
+    /// # Errors
+    /// As `--apply` of the command `identify`.
+    pub fn apply(&self, experiment: &str, remedies: &str, codes: &str) -> Outcome<String> {
+        let remedies: Vec<Remedy> = serde_json::from_str(remedies).map_err(|e| format!("the remedies: {e}"))?;
+        let codes: Vec<String> = serde_json::from_str(codes).map_err(|e| format!("the codes: {e}"))?;
+        Ok(self.experiment(experiment)?.with_remedies(&remedies, &codes)?)
+    }
+
+    /// What a run with remedies changed against the run before, from the texts of their `results.json`.
+    ///
+    /// # Errors
+    /// Texts that are not results.
+    pub fn changed(&self, before: &str, after: &str) -> Outcome<String> {
+        let read = |text| Results::from_json(Path::new("results.json"), text);
+        Ok(report::change_text(&read(before)?, &read(after)?, TextWidth::default()))
     }
 
     /// Puts the files of the demonstration into the folder, and returns a request for [`Session::understand`] and its experiment.

@@ -111,3 +111,25 @@ fn what_cannot_be_done_is_an_error() -> Outcome<()> {
     assert_eq!(session.files()?, "[]");
     Ok(())
 }
+
+/// A finding whose remedy is a setting has a code; applied, the finding is gone and the columns are those of the log.
+#[test]
+fn a_remedy_is_applied_to_the_experiment() -> Outcome<()> {
+    let folder = Folder::new();
+    let mut session = Session::in_folder(folder.path());
+    let mut request = answer(&session.demo()?)["request"].clone();
+    request["torque"] = json!(["torque_2", "torque_1", "torque_3", "torque_4", "torque_5", "torque_6"]);
+    let understood = answer(&session.understand(&request.to_string())?);
+    let finding = understood["findings"].as_array().unwrap().iter().find(|f| f["code"] == "joints-swapped").unwrap();
+    assert_eq!(finding["apply"], json!(["joints-swapped-1-2"]), "{finding}");
+    let remedies = &understood["remedies"];
+    assert_eq!(remedies[0]["label"], "Exchange the torques of joints 1 and 2");
+    let toml = understood["proposal"]["toml"].as_str().unwrap();
+    let mended = session.apply(toml, &remedies.to_string(), "[\"joints-swapped-1-2\"]")?;
+    assert!(mended.contains("\"torque_1\", \"torque_2\", \"torque_3\""), "{mended}");
+    assert!(!session.check(&mended)?.contains("joints-swapped"));
+    let error = session.apply(toml, &remedies.to_string(), "[\"lag\"]").unwrap_err();
+    assert!(error.to_string().contains("joints-swapped-1-2"), "{error}");
+    assert!(session.changed("{}", "{}").is_err());
+    Ok(())
+}

@@ -1,13 +1,16 @@
 // One list of all findings in the files: the most serious first, each with its remedy.
 
+import { isOwnText } from "../state";
 import { sentence } from "../words";
 import type { Finding, RobotAnswer, Severity, Understanding } from "../contract";
+import type { View } from "./Page";
+import { RemedyButton } from "./Remedies";
 
 /** The code of doubtful values in a robot's description. */
 const DOUBT = "robot-description";
 const ORDER: Severity[] = ["problem", "warning", "guess", "note"];
 
-export function Findings({ understanding, problem }: { understanding: Understanding; problem: string | null }) {
+export function Findings({ state, app, understanding, problem }: View & { understanding: Understanding; problem: string | null }) {
   const findings = allFindings(understanding, problem);
   if (findings.length === 0) return <p class="fine">No problems found.</p>;
   const isOfSeveral = new Set(understanding.findings.map(({ recording }) => recording)).size > 1;
@@ -18,6 +21,9 @@ export function Findings({ understanding, problem }: { understanding: Understand
           <span class="severity">{finding.severity}{isOfSeveral && finding.recording && ` (${finding.recording})`}</span>
           <p>{finding.joint && <strong>{finding.joint}: </strong>}{finding.text}{finding.code && <> <span class="code">[{finding.code}]</span></>}</p>
           {finding.remedy && <p class="remedy">{finding.remedy}</p>}
+          {!isOwnText(state.experiment) && understanding.remedies.filter(({ code }) => finding.apply?.includes(code)).map((remedy) => (
+            <RemedyButton key={remedy.code} state={state} app={app} remedies={understanding.remedies} remedy={remedy} />
+          ))}
         </li>
       ))}
     </ul>

@@ -5,6 +5,7 @@ import type { Verdict } from "../contract";
 import { save } from "../save";
 import type { ExportFormat, Run } from "../state";
 import type { View } from "./Page";
+import { Change, Remedies } from "./Remedies";
 import { Report } from "./Report";
 
 const VERDICTS: Record<Verdict, string> = { good: "good", care: "use with care", "do-not-use": "do not use" };
@@ -21,7 +22,7 @@ export function headline({ results }: Run): string {
 
 export function Result({ state, app }: View) {
   const { identified, problem } = state;
-  if (problem && (problem.at === "identify" || problem.at === "propose")) {
+  if (problem && (problem.at === "identify" || problem.at === "propose" || problem.at === "apply")) {
     return (
       <section id="result" aria-labelledby="result-title">
         <h2 id="result-title">Result</h2>
@@ -34,6 +35,8 @@ export function Result({ state, app }: View) {
     <section id="result" aria-labelledby="result-title">
       <Title key={identified.report} />
       {identified.experiment !== state.experiment?.text && <p class="note">The experiment has changed since; identify again.</p>}
+      <Change state={state} />
+      <Remedies state={state} app={app} />
       <Downloads state={state} app={app} run={identified} />
       <Report html={identified.report} />
     </section>

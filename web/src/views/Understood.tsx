@@ -20,7 +20,7 @@ export function Understood({ state, app, understanding }: View & { understanding
             {recordings.map((recording) => <Recording key={recording.path} recording={recording} />)}
             {proposal && <Proposal understanding={understanding} />}
           </dl>
-          <Findings understanding={understanding} problem={state.problem?.at === "understand" ? state.problem.message : null} />
+          <Findings state={state} app={app} understanding={understanding} problem={state.problem?.at === "understand" ? state.problem.message : null} />
         </div>
         {skeleton && skeleton.frames.length > 0 && <StickFigure skeleton={skeleton} />}
       </div>

@@ -2,6 +2,7 @@
 
 use super::{
     finding::{Code, Finding, Measure, Severity},
+    remedy_step::{OrderedStep, RemedyStep},
     subject::Subject,
 };
 
@@ -31,11 +32,18 @@ pub(super) struct FindingText {
     remedy: String,
     /// The parameters it is about.
     parameters: Vec<String>,
+    /// The change of the settings that does it.
+    step: Option<RemedyStep>,
 }
 
 impl FindingText {
     pub(super) fn new(message: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { message: message.into(), remedy: remedy.into(), parameters: Vec::new() }
+        Self { message: message.into(), remedy: remedy.into(), parameters: Vec::new(), step: None }
+    }
+
+    /// The same with the change of the settings that does what the remedy says.
+    pub(super) fn with_step(self, step: impl Into<Option<RemedyStep>>) -> Self {
+        Self { step: step.into(), ..self }
     }
 
     /// The same, about these parameters.
@@ -68,7 +76,8 @@ impl<'a> Examination<'a> {
     /// Raises a finding, whatever its limit.
     pub(super) fn raise(&mut self, evidence: Evidence, severity: Severity, text: FindingText) {
         let Evidence { code, coordinate, value, unit, limit } = evidence;
-        let FindingText { message, remedy, parameters } = text;
+        let FindingText { message, remedy, parameters, step } = text;
+        let order = self.findings.len();
         self.findings.push(Finding {
             code,
             severity,
@@ -80,6 +89,7 @@ impl<'a> Examination<'a> {
             message,
             remedy,
             parameters,
+            step: step.map(|step| OrderedStep { order, step }),
         });
     }
 

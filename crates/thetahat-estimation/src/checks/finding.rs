@@ -2,6 +2,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use super::remedy_step::OrderedStep;
+
 /// How much a finding matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -245,6 +247,10 @@ pub struct Finding {
     pub remedy: String,
     /// The parameters it is about.
     pub parameters: Vec<String>,
+    /// The change of the settings that removes its cause, where there is one; files hold it among the remedies of the results.
+    #[doc(hidden)]
+    #[serde(skip)]
+    pub step: Option<OrderedStep>,
 }
 
 /// A number that was compared with a limit, whether or not it led to a finding.

@@ -25,6 +25,7 @@ mod fit;
 mod motion;
 mod numbers;
 mod recordings;
+mod remedy_step;
 mod robot;
 mod signals;
 mod subject;
@@ -37,6 +38,8 @@ mod tests;
 pub use finding::{Code, Finding, Measure, Severity};
 pub use recordings::across_recordings::{compare, measure_across_recordings};
 pub use recordings::companion::Companion;
+#[doc(hidden)]
+pub use remedy_step::{OrderedStep, RemedySignal, RemedyStep};
 pub use robot::description::examine_robot;
 pub use subject::{SignalSettings, Subject};
 

@@ -390,6 +390,44 @@ class Result:
         return [reason["text"] for reason in self._data["verdict_reasons"]]
 
     @property
+    def remedies(self) -> list[dict[str, Any]]:
+        """Changes of the experiment file that remove causes of findings, each with ``code``, ``label``, ``found`` and ``changes``."""
+        remedies: list[dict[str, Any]] = self._data.get("remedies", [])
+        return remedies
+
+    def apply(self, *codes: str, out: str | os.PathLike[str]) -> str:
+        """Write the experiment with the remedies of these codes as a new file, for :func:`run`, as ``thetahat identify --apply`` does.
+
+        Parameters
+        ----------
+        *codes : str
+            Codes of :attr:`remedies`.
+        out : path
+            The new experiment file, in the folder of the old one; an existing file is kept.
+
+        Returns
+        -------
+        str
+            The path of the new file.
+
+        Raises
+        ------
+        ResultsError
+            For results of arrays, which have no experiment file.
+        ExperimentError
+            For a code that no remedy has, with those that there are.
+        FileExistsError
+            Where a file is there.
+        """
+        if not self._data.get("experiment_description"):
+            raise ResultsError("these results are of arrays and have no experiment file; do what the findings say")
+        path = os.fspath(out)
+        text = self._native.with_remedies(path, list(codes))
+        with open(path, "x", encoding="utf-8", newline="") as file:
+            file.write(text)
+        return path
+
+    @property
     def advice(self) -> list[Advice]:
         """The recommended method of each case, and why."""
         return [

@@ -60,4 +60,5 @@ pub use text::brief::brief;
 pub use text::card::{card_text, headline};
 pub use text::contents::contents_text;
 pub use text::model_text::model_text;
+pub use text::remedies::{change_text, remedies_text};
 pub use wrap::TextWidth;

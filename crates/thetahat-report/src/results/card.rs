@@ -316,6 +316,7 @@ mod tests {
             subject: ReasonSubject::default(),
             text: format!("Rows are few; {remedy}."),
             remedy: remedy.to_owned(),
+            remedies: Vec::new(),
         }
     }
 

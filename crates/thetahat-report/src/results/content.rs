@@ -10,6 +10,7 @@ use super::{
     parameters::EliminationResult,
     payload::{DriveGainResult, PayloadResult},
     recordings::{Bandwidth, RecordingFindings, RecordingResult, UnmaskedComparison},
+    remedy::Remedy,
     run::RunResult,
     terms::{ProfiledTerm, TermComparison},
     user_run::UserRun,
@@ -42,6 +43,9 @@ pub struct Results {
     /// Why the verdict is not good, the most serious reason first.
     #[serde(default)]
     pub verdict_reasons: Vec<VerdictReason>,
+    /// Changes of the experiment file that remove causes of findings: `thetahat identify --apply` makes them. Empty where there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub remedies: Vec<Remedy>,
     /// Reasons that could not be examined, as the results come from a reduction.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub not_examined: Vec<NotExamined>,

@@ -46,6 +46,7 @@ mod payload;
 mod physical;
 mod prediction;
 mod recordings;
+mod remedy;
 mod run;
 mod sensitivity;
 mod side_by_side;
@@ -84,6 +85,8 @@ pub use prediction::Prediction;
 pub use recordings::{
     Bandwidth, NearRestResult, PeriodicResult, RecordingFindings, RecordingResult, ReferenceResult, UnmaskedComparison,
 };
+#[doc(hidden)]
+pub use remedy::{RecordingStep, Remedy, SettingChange};
 pub use run::{IterationResult, LoopParameterResult, RunResult};
 pub use sensitivity::{Sensitivity, SensitivityPoint};
 pub use side_by_side::{ComparedParameter, SettingDifference, Side, SideBySide, SideBySideError};
@@ -96,7 +99,7 @@ pub use verdict::{NotExamined, ReasonCode, ReasonSubject, Verdict, VerdictReason
 pub use thetahat_data::recording::{ChannelSummary, ColumnSummary, Contents, Resampling, TableSummary, TimeSummary};
 #[doc(no_inline)]
 pub use thetahat_estimation::{
-    checks::{Code, Finding, Severity},
+    checks::{Code, Finding, RemedySignal, RemedyStep, Severity},
     identification::{Method, Status, Weighting},
     simulation::BiasKind,
     statistics::{ChiSquaredTest, FTest},

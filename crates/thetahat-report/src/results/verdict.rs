@@ -170,6 +170,9 @@ pub struct VerdictReason {
     /// The remedy alone; empty in files from before this key.
     #[serde(default)]
     pub remedy: String,
+    /// Codes of the remedies of the results that a program can apply.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub remedies: Vec<String>,
 }
 
 /// A reason that could not be examined, because the data that decide it were missing.

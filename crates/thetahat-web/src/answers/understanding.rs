@@ -10,7 +10,7 @@ use thetahat::{
     results::RecordingFindings,
     robot::{RobotError, RobotSource, RobotSummary},
 };
-use thetahat_report::results::{Finding, Severity};
+use thetahat_report::results::{Finding, Remedy, Severity};
 
 use super::{channels::RecordingAnswer, proposed::ProposalAnswer, series::SeriesAnswer, skeleton::Skeleton};
 use crate::{budget, remedies::with_remedy, request::Request, session::Outcome};
@@ -29,6 +29,8 @@ pub(crate) struct Understanding {
     unfinished: Option<String>,
     series: Option<SeriesAnswer>,
     findings: Vec<FindingAnswer>,
+    /// The remedies of findings that are settings of the proposal.
+    remedies: Vec<Remedy>,
 }
 
 #[derive(Serialize)]
@@ -45,6 +47,8 @@ struct FindingAnswer {
     joint: Option<String>,
     text: String,
     remedy: String,
+    /// Codes of the remedies that can be applied.
+    apply: Vec<String>,
 }
 
 impl Understanding {
@@ -109,7 +113,8 @@ impl Understanding {
         budget::require_length(&recordings)?;
         self.add_recorded(request, &proposal, &experiment, &recordings);
         let findings = experiment.check(&files.data_folder())?;
-        self.findings = findings.into_iter().flat_map(FindingAnswer::all_of).collect();
+        self.remedies = experiment.remedies_of(&findings);
+        self.findings = findings.into_iter().flat_map(|found| FindingAnswer::all_of(found, &self.remedies)).collect();
         Ok(())
     }
 
@@ -128,12 +133,17 @@ impl Understanding {
 }
 
 impl FindingAnswer {
-    fn all_of(recording: RecordingFindings) -> impl Iterator<Item = Self> {
+    fn all_of(recording: RecordingFindings, remedies: &[Remedy]) -> impl Iterator<Item = Self> {
         let RecordingFindings { recording, findings, .. } = recording;
-        findings.into_iter().map(move |finding| Self::of(&recording, finding))
+        findings.into_iter().map(move |finding| Self::of(&recording, finding, remedies))
     }
 
-    fn of(recording: &str, finding: Finding) -> Self {
+    fn of(recording: &str, finding: Finding, remedies: &[Remedy]) -> Self {
+        let is_own = |remedy: &&Remedy| {
+            remedy.finding == Some(finding.code)
+                && (remedy.code == finding.code.name() || remedy.found == finding.message)
+        };
+        let apply = remedies.iter().filter(is_own).map(|remedy| remedy.code.clone()).collect();
         Self {
             recording: recording.to_owned(),
             code: finding.code.name(),
@@ -141,6 +151,7 @@ impl FindingAnswer {
             joint: finding.joint_name,
             text: finding.message,
             remedy: finding.remedy,
+            apply,
         }
     }
 }

@@ -353,7 +353,7 @@ fn read_text(path: &Path) -> Result<String, ExperimentError> {
         .map_err(|e| ExperimentError::Unreadable { path: path.to_owned(), reason: e.to_string() })
 }
 
-fn parse(text: &str, path: &Path) -> Result<(ExperimentFile, Settings), ExperimentError> {
+pub(super) fn parse(text: &str, path: &Path) -> Result<(ExperimentFile, Settings), ExperimentError> {
     toml::from_str(text)
         .map(Tables::split)
         .map_err(|e| ExperimentError::Syntax { path: path.to_owned(), message: e.to_string().trim_end().to_owned() })

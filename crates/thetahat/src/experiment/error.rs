@@ -111,6 +111,33 @@ pub enum ExperimentError {
         /// Why.
         reasons: Vec<String>,
     },
+    /// No remedy has this code.
+    #[error(
+        "{}: no remedy has the code {code}; {}", path.display(),
+        if known.is_empty() {
+            "no finding of this experiment has a remedy that is a setting".to_owned()
+        } else {
+            format!("these can be applied: {}", known.join(", "))
+        }
+    )]
+    UnknownRemedy {
+        /// The experiment.
+        path: PathBuf,
+        /// The code.
+        code: String,
+        /// The codes that there are, with what they do.
+        known: Vec<String>,
+    },
+    /// A remedy cannot be written into this file.
+    #[error("{}: the remedy {code} ({label}) cannot be written into this file; apply it in a run of its own, or change the file by hand", path.display())]
+    NoRemedy {
+        /// The experiment.
+        path: PathBuf,
+        /// The code.
+        code: String,
+        /// What it does.
+        label: String,
+    },
     /// The results have no such estimate.
     #[error("{}: {source}", path.display())]
     NoEstimate {

@@ -25,6 +25,7 @@ mod power;
 mod predict;
 mod proposal;
 mod reading;
+mod remedies;
 mod robot_file;
 mod run;
 mod subject;

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::{
     description::{Experiment, RecordingDescription},
     error::ExperimentError,
+    remedies,
 };
 use crate::{
     filter_choice::choose_filter,
@@ -60,14 +61,16 @@ impl Experiment {
         progress: &mut dyn FnMut(&str),
     ) -> Result<Results, ExperimentError> {
         let results = identification.run_with_progress(progress).map_err(|e| self.refuse(e))?;
-        Ok(Results {
+        let mut results = Results {
             title: self.file.title.clone(),
             seed: self.file.twin.as_ref().map(|t| t.sensors.seed),
             experiment_description: self.text.clone(),
             robot_description: self.robot_text.clone(),
             robot_files: self.robot_hashes.clone(),
             ..results
-        })
+        };
+        remedies::enter(self, &mut results);
+        Ok(results)
     }
 
     /// Estimates by IV and DIDIM without an error of the simulator and with each one. `progress` receives the number of estimations that

@@ -77,6 +77,7 @@ mod tests {
             message: "seen".to_owned(),
             remedy: "mend".to_owned(),
             parameters: Vec::new(),
+            step: None,
         }
     }
 

@@ -216,6 +216,7 @@ impl Identification {
             title: String::new(),
             verdict: None,
             verdict_reasons: Vec::new(),
+            remedies: Vec::new(),
             not_examined: Vec::new(),
             robot_joints: JointResult::of_coordinates(self.setup().robot),
             robot_locked: self.setup().robot.locked.clone(),

@@ -155,6 +155,7 @@ fn reason() -> VerdictReason {
         },
         text: "recording 1 has a problem for joint 2, lag: the torque is 2.4 samples later; shift it.".to_owned(),
         remedy: "shift it".to_owned(),
+        remedies: Vec::new(),
     }
 }
 
@@ -235,6 +236,7 @@ fn finding() -> Finding {
         message: "the torque is 2.4 samples later".to_owned(),
         remedy: "shift it".to_owned(),
         parameters: Vec::new(),
+        step: None,
     }
 }
 
@@ -252,6 +254,7 @@ fn results() -> Results {
         title: TITLE.to_owned(),
         verdict: Some(Verdict::DoNotUse),
         verdict_reasons: vec![reason()],
+        remedies: Vec::new(),
         not_examined: Vec::new(),
         robot_joints: vec![
             joint("shoulder", JointKind::Revolute, ["rad", "N m"]),

@@ -291,8 +291,10 @@ impl<'s> Keys<'s> {
         let tag = item.attributes.serde("tag");
         let mut rows = Vec::new();
         for variant in &item.members {
-            let Holds::Fields(fields) = &variant.holds else {
-                panic!("{}.rs: {} has no keys", item.file, variant.name)
+            let fields: &[Member] = match &variant.holds {
+                Holds::Fields(fields) => fields,
+                Holds::Nothing => &[],
+                Holds::One(_) => panic!("{}.rs: {} has no keys", item.file, variant.name),
             };
             let name = self.name(item, variant);
             let name = if tag.is_some() { quoted(&name) } else { name };

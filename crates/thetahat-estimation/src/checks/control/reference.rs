@@ -5,6 +5,7 @@ use crate::checks::{
     examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::{correlation, deviation, rms},
+    remedy_step::RemedyStep,
     subject::Subject,
 };
 use thetahat_ground::series::Series;
@@ -30,8 +31,10 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>) {
         let off: Vec<usize> =
             moving.clone().filter(|&j| percent_off(&position, &reference, j) > LIMIT_PERCENT).collect();
         let correction = proposed(&position, &reference, &off, LIMIT_PERCENT);
-        let remedy = correction.map_or_else(|| CHECK_CHANNEL.to_owned(), |c| remedy(&c, exam.subject.sample_rate_hz));
-        return moving.for_each(|j| recorded(exam, &position, &reference, j, &remedy));
+        let rate = exam.subject.sample_rate_hz;
+        let step = correction.as_ref().map(|c| c.step(rate));
+        let remedy = correction.map_or_else(|| CHECK_CHANNEL.to_owned(), |c| remedy(&c, rate));
+        return moving.for_each(|j| recorded(exam, (&position, &reference), j, (&remedy, &step)));
     }
     let Some(deviations) = exam.subject.reconstructed_deviation else { return };
     for j in moving.filter(|&j| j < deviations.len()) {
@@ -68,7 +71,12 @@ fn remedy(correction: &Correction, sample_rate_hz: f64) -> String {
     )
 }
 
-fn recorded(exam: &mut Examination<'_>, position: &Series, reference: &Series, j: usize, remedy: &str) {
+fn recorded(
+    exam: &mut Examination<'_>,
+    (position, reference): (&Series, &Series),
+    j: usize,
+    (remedy, step): (&str, &Option<RemedyStep>),
+) {
     let off = rms(&difference(position, reference, j));
     let subject = exam.subject;
     let number = subject.joint_number(j);
@@ -78,6 +86,7 @@ fn recorded(exam: &mut Examination<'_>, position: &Series, reference: &Series, j
             format!("joint {number}: the motion differs from its reference by {off:.3e} rad or m rms: {cause}"),
             remedy,
         )
+        .with_step(step.clone())
     });
 }
 

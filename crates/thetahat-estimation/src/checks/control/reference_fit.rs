@@ -1,7 +1,10 @@
 //! The delay, scale and offset between a reference and the motion: `q(k) = scale r(k - delay) + offset`.
 
 use crate::{
-    checks::numbers::{delay, deviation, mean, rms},
+    checks::{
+        numbers::{delay, deviation, mean, rms},
+        remedy_step::RemedyStep,
+    },
     signal::{central_difference, delayed},
 };
 use thetahat_ground::{
@@ -150,8 +153,7 @@ impl Correction {
     /// The line for `[recording]` that applies it.
     pub(in crate::checks) fn text(&self, sample_rate_hz: f64) -> String {
         let list = |value: fn(&JointCorrection) -> f64, unit: f64| {
-            let numbers: Vec<String> =
-                self.joints.iter().map(|j| format!("{:?}", (1e7 * unit * value(j)).round() / 1e7 + 0.0)).collect();
+            let numbers: Vec<String> = self.rounded(value, unit).iter().map(|v| format!("{v:?}")).collect();
             let all_same = numbers.iter().all(|n| *n == numbers[0]);
             if all_same { numbers[0].clone() } else { format!("[{}]", numbers.join(", ")) }
         };
@@ -161,6 +163,20 @@ impl Correction {
             list(|j| j.scale, 1.0),
             list(|j| j.offset, 1.0)
         )
+    }
+
+    /// The same as a change of the settings.
+    pub(in crate::checks) fn step(&self, sample_rate_hz: f64) -> RemedyStep {
+        RemedyStep::CorrectReference {
+            delay_s: self.rounded(|j| j.samples, 1.0 / sample_rate_hz),
+            scale: self.rounded(|j| j.scale, 1.0),
+            offset: self.rounded(|j| j.offset, 1.0),
+        }
+    }
+
+    /// A number of each joint, times a unit.
+    fn rounded(&self, value: fn(&JointCorrection) -> f64, unit: f64) -> Vec<f64> {
+        self.joints.iter().map(|j| (1e7 * unit * value(j)).round() / 1e7 + 0.0).collect()
     }
 }
 

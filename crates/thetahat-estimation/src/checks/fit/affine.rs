@@ -1,6 +1,9 @@
 //! Corrections of a recording that are affine in its positions and linear in its torques.
 
-use crate::signal::Motion;
+use crate::{
+    checks::remedy_step::{RemedySignal, RemedyStep},
+    signal::Motion,
+};
 use thetahat_ground::{linear_algebra::Matrix, series::Series};
 use thetahat_model::robot::Robot;
 
@@ -69,6 +72,56 @@ impl Affine {
     pub(in crate::checks) fn torque(&self, torque: &Series) -> Series {
         map(&self.torque, &vec![0.0; self.shift.len()], torque)
     }
+}
+
+impl Affine {
+    /// The change of the channels that has the same effect: factors, or an exchange of two joints. `None` if it has another form, such
+    /// as a shift.
+    pub(in crate::checks) fn step(&self) -> Option<RemedyStep> {
+        if self.shift.iter().any(|s| *s != 0.0) {
+            return None;
+        }
+        match (entries_of(&self.position), entries_of(&self.torque)) {
+            (Some(position), Some(torque)) => {
+                let [position, torque] = [position, torque].map(factors);
+                Some(RemedyStep::Scale { position, torque })
+            }
+            (position, torque) => {
+                let pair_of = |matrix: &Matrix, entries: &Option<Vec<f64>>| match entries {
+                    None => exchanged(matrix).map(Some),
+                    Some(entries) => entries.iter().all(|e| *e == 1.0).then_some(None),
+                };
+                match (pair_of(&self.position, &position)?, pair_of(&self.torque, &torque)?) {
+                    (Some(joints), None) => Some(RemedyStep::ExchangeJoints { signal: RemedySignal::Position, joints }),
+                    (None, Some(joints)) => Some(RemedyStep::ExchangeJoints { signal: RemedySignal::Torque, joints }),
+                    (Some(joints), Some(same)) if joints == same => {
+                        Some(RemedyStep::ExchangeJoints { signal: RemedySignal::Both, joints })
+                    }
+                    (Some(_), Some(_)) | (None, None) => None,
+                }
+            }
+        }
+    }
+}
+
+/// The entries of a diagonal matrix.
+fn entries_of(matrix: &Matrix) -> Option<Vec<f64>> {
+    let n = matrix.columns();
+    let is_diagonal = (0..n).all(|i| (0..n).all(|j| i == j || matrix.at(i, j) == 0.0));
+    is_diagonal.then(|| (0..n).map(|i| matrix.at(i, i)).collect())
+}
+
+/// Factors, or an empty list where all are one.
+fn factors(entries: Vec<f64>) -> Vec<f64> {
+    if entries.iter().all(|e| *e == 1.0) { Vec::new() } else { entries }
+}
+
+/// The two coordinates that a permutation exchanges, from one.
+fn exchanged(matrix: &Matrix) -> Option<[usize; 2]> {
+    let n = matrix.columns();
+    let moved: Vec<usize> = (0..n).filter(|&i| matrix.at(i, i) == 0.0).collect();
+    let [a, b] = moved[..] else { return None };
+    (*matrix == permutation(n, a, b)).then_some([a + 1, b + 1])
 }
 
 pub(in crate::checks) fn diagonal(entries: &[f64]) -> Matrix {

@@ -4,6 +4,7 @@ use crate::checks::{
     examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::{mean, span},
+    remedy_step::RemedyStep,
     signals::{STILL, Signals},
 };
 
@@ -30,6 +31,7 @@ fn still_joint(exam: &mut Examination<'_>, signals: &Signals, j: usize) {
     let name = exam.subject.robot.coordinates().nth(j).map_or("", |joint| joint.name.as_str());
     // A joint that is held on purpose does no harm if none of its parameters is estimated.
     let severity = if parameters.is_empty() { Severity::Note } else { Severity::Problem };
+    let at = (1e6 * mean(&signals.raw.channel(j))).round() / 1e6;
     exam.judge(evidence, severity, || {
         let text = FindingText::new(
             format!(
@@ -40,10 +42,9 @@ fn still_joint(exam: &mut Examination<'_>, signals: &Signals, j: usize) {
             format!(
                 "move it, or lock it: {name:?} = {at:.6} in [locked] of the experiment, without its columns; if it did move, check \
                  the position channel",
-                at = mean(&signals.raw.channel(j)),
             ),
         );
-        text.about(parameters)
+        text.about(parameters).with_step(RemedyStep::LockJoint { joint: j + 1, name: name.to_owned(), value: at })
     });
 }
 
@@ -80,6 +81,7 @@ fn still_periods(exam: &mut Examination<'_>, signals: &Signals) {
             ),
             remedy,
         )
+        .with_step((!left_out).then_some(RemedyStep::LeaveOutRests))
     });
 }
 

@@ -261,6 +261,7 @@ fn build(comparison: &FitComparison, who: &str, parameters: &[String], severity:
                  experiment of its own"
             .to_owned(),
         parameters: parameters.to_vec(),
+        step: None,
     }
 }
 

@@ -68,6 +68,7 @@ fn finding(a: &Companion<'_>, b: &Companion<'_>, percent: f64) -> Finding {
         ),
         remedy: remedy.to_owned(),
         parameters: Vec::new(),
+        step: None,
     }
 }
 

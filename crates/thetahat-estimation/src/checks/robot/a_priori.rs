@@ -9,6 +9,7 @@ use crate::{
         examination::{Evidence, Examination, FindingText},
         finding::{Code, Severity},
         fit::thinned_recording::ThinnedRecording,
+        remedy_step::{RemedySignal, RemedyStep},
     },
     signal::Motion,
     statistics::median,
@@ -32,6 +33,8 @@ const ABSURD: f64 = 1000.0;
 const EXPLAINED: f64 = 0.5;
 /// Largest factor between two scales that count as equal.
 const ALIKE: f64 = 1.5;
+/// Factor between a torque in mN m and one in N m.
+const THOUSAND: f64 = 1e3;
 /// Number of joints with the same factor from which wrong masses are no explanation.
 const SEVERAL: usize = 3;
 
@@ -84,16 +87,32 @@ fn finding_text(robot: &Robot, wrong: &[&Scale], middle: f64, several: bool) -> 
         let expected = ratio.powi(power);
         ratio > 1.0 && (s.factor / expected).max(expected / s.factor) < ALIKE
     };
-    let remedy = if several && wrong.iter().all(|s| is_ratio(s, -1)) {
+    let all_have_ratio = |power: i32| several && wrong.iter().all(|s| is_ratio(s, power));
+    let side = |at_motor: bool| Some(RemedyStep::Side { signal: RemedySignal::Torque, at_motor });
+    let (at_motor, at_joint) = (all_have_ratio(-1), all_have_ratio(1));
+    let step = match (at_motor, at_joint) {
+        (true, _) => side(true),
+        (false, true) => side(false),
+        (false, false) => in_thousands(wrong, several)
+            .map(|factor| RemedyStep::Scale { position: Vec::new(), torque: vec![factor; robot.coordinate_count()] }),
+    };
+    let remedy = if at_motor {
         "these are the gear ratios: set side = \"motor\" of torque in [recording]"
-    } else if several && wrong.iter().all(|s| is_ratio(s, 1)) {
+    } else if at_joint {
         "these are the gear ratios: set side = \"joint\" of torque in [recording]"
     } else {
         "check the unit of torque, and the side of the gears of torque and position (side = \"motor\" in [recording] with the \
          ratios in [transmission] matrix, or gain = ... of the channel); if these are right, the masses of the description are \
          placeholders: ignore this warning"
     };
-    FindingText::new(message, remedy)
+    FindingText::new(message, remedy).with_step(step)
+}
+
+/// The factor that corrects torques which are a thousand times too large or too small at every joint: those of mN m and kN m.
+fn in_thousands(wrong: &[&Scale], several: bool) -> Option<f64> {
+    let is_near = |size: f64| wrong.iter().all(|s| (s.factor / size).max(size / s.factor) < ALIKE);
+    let found = [THOUSAND, 1.0 / THOUSAND].into_iter().find(|size| is_near(*size));
+    found.filter(|_| several).map(f64::recip)
 }
 
 /// The joints whose torque has the shape that the a-priori masses give, with its factor.

@@ -23,6 +23,7 @@ pub fn examine_robot(robot: &Robot) -> Vec<Finding> {
         message: format!("{}: {}", doubt.place, doubt.what),
         remedy: doubt.remedy.to_owned(),
         parameters: Vec::new(),
+        step: None,
     };
     robot.doubts.iter().map(finding).collect()
 }

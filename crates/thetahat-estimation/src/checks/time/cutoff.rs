@@ -4,6 +4,7 @@ use crate::checks::{
     examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     fit::thinned_recording::ThinnedRecording,
+    remedy_step::RemedyStep,
 };
 
 /// Rms torque, percent of the torques' standard deviation, that only the doubled cut-off explains, on stretches of time that
@@ -40,6 +41,7 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &ThinnedRe
             ),
             format!("raise [signal] cutoff_hz to {best}"),
         )
+        .with_step(RemedyStep::Cutoff { cutoff_hz: best })
     });
 }
 

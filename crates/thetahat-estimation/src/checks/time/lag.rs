@@ -12,6 +12,7 @@ use crate::checks::{
     examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     fit::{friction_shapes::rows_of_reversals, orthogonal_fit::OrthogonalFit, thinned_recording::ThinnedRecording},
+    remedy_step::RemedyStep,
     subject::Subject,
 };
 use thetahat_ground::linear_algebra::Matrix;
@@ -213,6 +214,13 @@ impl Delay {
         self.is_common && subject.held_part_of_step == 0.0 && MEASURED_HELD.contains(&self.samples())
     }
 
+    /// The delay to state; none if it is not one of all joints.
+    fn step(&self, subject: &Subject<'_>) -> Option<RemedyStep> {
+        let delay_s = (1e6 * self.samples() / self.rate).round() / 1e6;
+        let step = if self.is_held(subject) { RemedyStep::Hold } else { RemedyStep::Delay { delay_s } };
+        self.is_common.then_some(step)
+    }
+
     fn finding_text(&self, joint_number: Option<usize>, subject: &Subject<'_>) -> FindingText {
         let ms = |steps: f64| 1e3 * self.samples_per_step * steps / self.rate;
         let (size, order) = (self.samples().abs(), if self.steps > 0.0 { "later" } else { "earlier" });
@@ -236,6 +244,6 @@ impl Delay {
             let delay_s = self.samples() / self.rate;
             format!("state the delay of the torque: delay_s = {delay_s:.5} next to its columns{also}")
         };
-        FindingText::new(message, remedy)
+        FindingText::new(message, remedy).with_step(self.step(subject))
     }
 }

@@ -5,6 +5,7 @@ use crate::checks::{
     examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::{quantile_abs, rms},
+    remedy_step::RemedyStep,
 };
 
 /// Rms deviation of a step from the median step, percent of the median, without the gaps. The recorded KUKA has 1.4 (clean).
@@ -65,6 +66,13 @@ struct Steps {
     has_gaps: bool,
 }
 
+impl Steps {
+    /// The rate to state instead of times that are those of arrival.
+    fn equal_steps(&self, meaning: StampMeaning, sample_rate_hz: f64) -> Option<RemedyStep> {
+        (meaning == StampMeaning::Arrival && !self.has_gaps).then_some(RemedyStep::EqualSteps { sample_rate_hz })
+    }
+}
+
 /// Checks the variation of the steps between time stamps.
 fn check_jitter(exam: &mut Examination<'_>, time: &[f64], steps: &Steps) {
     let Steps { regular, median, has_gaps } = steps;
@@ -103,6 +111,7 @@ fn check_jitter(exam: &mut Examination<'_>, time: &[f64], steps: &Steps) {
             ),
             remedy,
         )
+        .with_step(steps.equal_steps(meaning, rate))
     });
 }
 

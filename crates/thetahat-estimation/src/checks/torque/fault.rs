@@ -82,7 +82,8 @@ fn note_measures(exam: &mut Examination<'_>, all: &[Hypothesis], gains: &[f64]) 
 
 fn raise(exam: &mut Examination<'_>, hypothesis: &Hypothesis, gain: f64) {
     let message = format!("the torques fit {:.1} times better if {}", gain.sqrt(), hypothesis.text);
-    exam.raise(evidence(hypothesis, gain), Severity::Problem, FindingText::new(message, &hypothesis.remedy));
+    let text = FindingText::new(message, &hypothesis.remedy).with_step(hypothesis.step());
+    exam.raise(evidence(hypothesis, gain), Severity::Problem, text);
 }
 
 fn evidence(hypothesis: &Hypothesis, gain: f64) -> Evidence {

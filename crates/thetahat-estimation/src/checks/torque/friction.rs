@@ -44,6 +44,7 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &mut Thinn
         );
         let remedy = "change the sign of the channel's gain, or of the motor's row in [transmission] matrix";
         let text = FindingText::new(message, remedy).about(friction_parameters(recording, j));
+        let text = text.with_step(correction.as_ref().and_then(Affine::step));
         exam.raise(evidence, Severity::Problem, text);
         correction.iter().for_each(|correction| recording.correct(correction));
     }

@@ -136,6 +136,10 @@ fn raise(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>, found: &G
         "check the motor's row of [transmission] matrix, its drive gain, and the gains of the channels",
     );
     let value = 100.0 * (factor - 1.0);
+    // A simulated loop has the ratio of the description, which no channel changes.
+    let is_of_loop = kind == Kind::Ratio && exam.subject.controller.is_some();
+    let correction = found.scale.correction(recording, factor).filter(|_| !is_of_loop);
+    let text = text.with_step(correction.as_ref().and_then(Affine::step));
     let evidence = Evidence { value, unit: "% of the scale", limit: f64::NAN, ..evidence(coordinate, value) };
     exam.raise(evidence, Severity::Problem, text);
 }

@@ -3,6 +3,7 @@
 use crate::checks::{
     finding::Code,
     fit::affine::{Affine, diagonal},
+    remedy_step::{RemedySignal, RemedyStep},
 };
 use thetahat_model::robot::{JointKind, Robot};
 
@@ -27,6 +28,8 @@ pub(in crate::checks) struct Hypothesis {
     /// The fault, to follow "the torques fit ... better if".
     pub(in crate::checks) text: String,
     pub(in crate::checks) remedy: String,
+    /// The side of the gears, where a wrong one of all joints is the fault.
+    side: Option<RemedyStep>,
 }
 
 /// The coordinates of a correction.
@@ -84,11 +87,23 @@ impl Hypothesis {
             flips_power: false,
             text,
             remedy: remedy.into(),
+            side: None,
         }
     }
 
     fn with_limit(self, limit: f64) -> Self {
         Self { limit, ..self }
+    }
+
+    /// The same, of a signal of all joints whose side is stated wrongly.
+    fn of_side(self, scope: Scope, signal: RemedySignal, at_motor: bool) -> Self {
+        let side = (scope == Scope::All).then_some(RemedyStep::Side { signal, at_motor });
+        Self { side, ..self }
+    }
+
+    /// The change of the settings that corrects it.
+    pub(in crate::checks) fn step(&self) -> Option<RemedyStep> {
+        self.side.clone().or_else(|| self.correction.step())
     }
 
     fn flipping(self) -> Self {
@@ -151,10 +166,14 @@ fn sides_of_positions(robot: &Robot, scope: Scope) -> Vec<Hypothesis> {
         Scope::All => (motor_to_joint(robot), joint_to_motor(robot)),
         Scope::One(j) => (Some(one_to_joint(robot, j)), one_to_motor(robot, j)),
     };
-    let motor = to_joint.map(|c| (c, format!("{whose} position is on the motor side")));
+    let motor = to_joint.map(|c| (c, true, format!("{whose} position is on the motor side")));
     let twice = format!("{whose} position is on the joint side already: it was converted by the gear twice");
-    let corrections = motor.into_iter().chain([(to_motor, twice)]);
-    corrections.map(|(c, text)| Hypothesis::new(Code::PositionScale, scope, c, text, SIDE)).collect()
+    let corrections = motor.into_iter().chain([(to_motor, false, twice)]);
+    let of = |(correction, at_motor, text)| {
+        let hypothesis = Hypothesis::new(Code::PositionScale, scope, correction, text, SIDE);
+        hypothesis.of_side(scope, RemedySignal::Position, at_motor)
+    };
+    corrections.map(of).collect()
 }
 
 fn sides_of_torques(robot: &Robot, scope: Scope) -> [Hypothesis; 2] {
@@ -163,7 +182,10 @@ fn sides_of_torques(robot: &Robot, scope: Scope) -> [Hypothesis; 2] {
     let down = Affine::scaled_torques(&scope.select(robot, &|j| 1.0 / ratio(robot, j)));
     let motor = format!("{whose} torque is on the motor side");
     let twice = format!("{whose} torque is on the joint side already: it was converted by the gear twice");
-    [(up, motor), (down, twice)].map(|(c, text)| Hypothesis::new(Code::TorqueScale, scope, c, text, SIDE))
+    [(up, true, motor), (down, false, twice)].map(|(correction, at_motor, text)| {
+        let hypothesis = Hypothesis::new(Code::TorqueScale, scope, correction, text, SIDE);
+        hypothesis.of_side(scope, RemedySignal::Torque, at_motor)
+    })
 }
 
 /// `q_j' = q_j / N_jj + o_j`.

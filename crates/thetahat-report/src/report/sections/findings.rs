@@ -260,6 +260,7 @@ mod tests {
             message: format!("joint {joint}: the motion is 0.1 rad or m rms off its reference"),
             remedy: "check the reference's column".to_owned(),
             parameters: Vec::new(),
+            step: None,
         }
     }
 

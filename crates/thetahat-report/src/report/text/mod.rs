@@ -5,6 +5,7 @@ pub(in crate::report) mod card;
 pub(in crate::report) mod contents;
 pub(in crate::report) mod grades;
 pub(in crate::report) mod model_text;
+pub(in crate::report) mod remedies;
 
 use super::{
     published::Published,

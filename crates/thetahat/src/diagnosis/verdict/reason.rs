@@ -22,5 +22,13 @@ pub(super) fn reason(
 ) -> VerdictReason {
     let finite = |(name, value): &(&str, Option<f64>)| Some(((*name).to_owned(), value.filter(|v| v.is_finite())?));
     let numbers = numbers.iter().filter_map(finite).collect();
-    VerdictReason { code, verdict, numbers, subject: concerned, text: format!("{seen}; {remedy}."), remedy }
+    VerdictReason {
+        code,
+        verdict,
+        numbers,
+        subject: concerned,
+        text: format!("{seen}; {remedy}."),
+        remedy,
+        remedies: Vec::new(),
+    }
 }

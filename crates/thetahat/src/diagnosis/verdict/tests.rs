@@ -87,6 +87,7 @@ fn finding(code: Code, severity: Severity) -> Finding {
         message: "it is late".to_owned(),
         remedy: "shift it".to_owned(),
         parameters: Vec::new(),
+        step: None,
     }
 }
 

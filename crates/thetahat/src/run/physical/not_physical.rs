@@ -89,6 +89,7 @@ fn negative(
         message: format!("the {what} {name} is negative, {} {unit}; {noise}", significant(value, 2)),
         remedy,
         parameters: vec![name.clone()],
+        step: None,
     })
 }
 
@@ -126,6 +127,7 @@ fn outside(table: &ParameterTable, physical: &PhysicalResult, limit: f64, asked:
         ),
         remedy: link_remedy(asked, is_noise).to_owned(),
         parameters: physical.inconsistent.clone(),
+        step: None,
     })
 }
 

@@ -102,6 +102,7 @@ impl ReducedIdentification<'_> {
             title: String::new(),
             verdict: None,
             verdict_reasons: Vec::new(),
+            remedies: Vec::new(),
             not_examined: data.not_examined.clone(),
             robot_joints: JointResult::of_coordinates(setup.robot),
             robot_locked: setup.robot.locked.clone(),

@@ -56,6 +56,7 @@ pub(in crate::run) fn no_predictive_power(
         message: format!("the torques{which} of {joints} {} are predicted worse than by zero", listed.join(" ")),
         remedy: remedy.to_owned(),
         parameters: Vec::new(),
+        step: None,
     })
 }
 

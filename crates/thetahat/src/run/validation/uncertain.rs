@@ -3,7 +3,7 @@
 use super::cross_validation::folds_by_part;
 use crate::preparation::{NamedChoice, ParameterChoice, Problem, Setup, Simulable};
 use thetahat_estimation::{
-    checks::{Code, Finding, Severity},
+    checks::{Code, Finding, OrderedStep, RemedyStep, Severity},
     identification::{Method, Needs, eliminate},
     regression::{Regression, RowLayout},
 };
@@ -37,7 +37,11 @@ pub(in crate::run) fn note(
 ) -> Option<Finding> {
     let percent = |p: &&ParameterResult| p.relative_standard_deviation_percent.is_some_and(|d| d > LIMIT_PERCENT);
     let names: Vec<String> = parameters.iter().filter(percent).map(|p| p.name.clone()).collect();
-    (!names.is_empty()).then(|| Finding {
+    if names.is_empty() {
+        return None;
+    }
+    let (remedy, step) = remedy(setup, problem);
+    Some(Finding {
         code: Code::NotExcited,
         severity: Severity::Note,
         joint: None,
@@ -51,22 +55,28 @@ pub(in crate::run) fn note(
             parameters.len(),
             names.join(" ")
         ),
-        remedy: remedy(setup, problem),
+        remedy,
         parameters: names,
+        // It is found after all others.
+        step: step.map(|step| OrderedStep { order: usize::MAX, step }),
     })
 }
 
-fn remedy(setup: Setup<'_>, problem: &Problem) -> String {
+/// What to do, and the change of the settings that makes the error on parts left out smaller.
+fn remedy(setup: Setup<'_>, problem: &Problem) -> (String, Option<RemedyStep>) {
     let motion = "record faster and wider motion";
     let choice = &setup.settings.parameters.estimate;
     let whole = matches!(choice, ParameterChoice::Base | ParameterChoice::Named(NamedChoice::Base));
-    let Some(trial) = whole.then(|| Trial::new(setup, problem)).flatten() else { return motion.to_owned() };
+    let Some(trial) = whole.then(|| Trial::new(setup, problem)).flatten() else {
+        return (motion.to_owned(), None);
+    };
     let Trial { eliminated, whole, essential } = trial;
     let change = 100.0 * (essential / whole - 1.0).abs();
     if change < VISIBLE_PERCENT {
-        return format!(
+        let remedy = format!(
             "{motion}; leaving out {eliminated} parameters by estimate = \"essential\" does not change the error on parts left out"
         );
+        return (remedy, None);
     }
     let errors = format!(
         "cross-validated error {} from {} to {} %",
@@ -75,9 +85,10 @@ fn remedy(setup: Setup<'_>, problem: &Problem) -> String {
         significant(essential, 3)
     );
     if essential <= whole {
-        return format!("{motion}, or set estimate = \"essential\": {eliminated} parameters fewer, {errors}");
+        let remedy = format!("{motion}, or set estimate = \"essential\": {eliminated} parameters fewer, {errors}");
+        return (remedy, Some(RemedyStep::Essential { left_out: eliminated }));
     }
-    format!("{motion}; leave estimate as it is: \"essential\" predicts worse ({errors})")
+    (format!("{motion}; leave estimate as it is: \"essential\" predicts worse ({errors})"), None)
 }
 
 /// What leaving out the parameters that are not essential would do.

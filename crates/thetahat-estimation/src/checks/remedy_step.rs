@@ -1,0 +1,115 @@
+//! Changes of settings that remove the cause of a finding, as values that a program can apply.
+
+use serde::{Deserialize, Serialize};
+
+/// The signals of a recording that a step changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RemedySignal {
+    /// The positions.
+    Position,
+    /// The torques.
+    Torque,
+    /// Both.
+    Both,
+}
+
+impl RemedySignal {
+    /// Whether the positions are among them.
+    #[must_use]
+    pub fn has_position(self) -> bool {
+        matches!(self, Self::Position | Self::Both)
+    }
+
+    /// Whether the torques are among them.
+    #[must_use]
+    pub fn has_torque(self) -> bool {
+        matches!(self, Self::Torque | Self::Both)
+    }
+}
+
+/// One change of the settings. Joints are coordinates of the robot, counted from one, and lists have a value for each.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum RemedyStep {
+    /// Exchanges the channels of two joints.
+    ExchangeJoints {
+        /// What is exchanged.
+        signal: RemedySignal,
+        /// The two joints.
+        joints: [usize; 2],
+    },
+    /// Multiplies channels by a factor for each joint; a list that is empty leaves its signal alone.
+    Scale {
+        /// Factors of the positions.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        position: Vec<f64>,
+        /// Factors of the torques.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        torque: Vec<f64>,
+    },
+    /// States the side of the gears.
+    Side {
+        /// The signal.
+        signal: RemedySignal,
+        /// Whether it was measured at the motors.
+        at_motor: bool,
+    },
+    /// States that the torques are later than was stated by so much, s.
+    Delay {
+        /// The additional delay.
+        delay_s: f64,
+    },
+    /// States that the torques hold until the next sample.
+    Hold,
+    /// Sets the cut-off of the position filter.
+    Cutoff {
+        /// The cut-off.
+        cutoff_hz: f64,
+    },
+    /// Takes the samples as equally spaced, whatever their times.
+    EqualSteps {
+        /// Samples per second.
+        sample_rate_hz: f64,
+    },
+    /// Leaves samples near rest out.
+    LeaveOutRests,
+    /// Leaves the parameters out that are not essential.
+    Essential {
+        /// How many.
+        left_out: usize,
+    },
+    /// Corrects the recorded reference.
+    CorrectReference {
+        /// How much later it is, s.
+        delay_s: Vec<f64>,
+        /// Factors.
+        scale: Vec<f64>,
+        /// What is added, rad or m.
+        offset: Vec<f64>,
+    },
+    /// Locks a joint that does not move, and leaves its channels out.
+    LockJoint {
+        /// The joint.
+        joint: usize,
+        /// Its name.
+        name: String,
+        /// Where it is, rad or m.
+        value: f64,
+    },
+    /// Adds a torque term to all joints.
+    AddTerm {
+        /// Its kind, as in a `[[term]]`.
+        term: String,
+    },
+}
+
+/// A step, and the number of findings before it in the same recording: a step holds for the recording that the earlier ones have
+/// corrected.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OrderedStep {
+    /// Findings before it.
+    pub order: usize,
+    /// The change.
+    pub step: RemedyStep,
+}

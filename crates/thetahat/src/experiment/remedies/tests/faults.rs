@@ -1,0 +1,312 @@
+use std::sync::OnceLock;
+
+use super::twin::{Log, RATE_HZ, STILL_AT, Twin, largest_difference, largest_error, run_of, truth};
+use crate::{Experiment, Results, experiment::ExperimentError};
+use thetahat_estimation::{checks::Code, signal::delayed};
+use thetahat_ground::series::Series;
+use thetahat_report::results::{RecordingStep, Remedy, RemedySignal, RemedyStep};
+
+const KEYS: &str = "[signal]\ncutoff_hz = 15\ndecimation = 8\n\n[estimation]\nmethods = [\"idim-ls\"]\n";
+
+/// Friction of the remedied twin against the truth: the noise of the torques gives 2 %.
+const NEAR_TRUTH: f64 = 0.06;
+/// Estimates of the remedied twin against those of the twin without the fault, half widths of an interval.
+const SAME: f64 = 0.3;
+/// The same where the remedy is a number that was estimated, whose own deviation the intervals do not have.
+const NEARLY_SAME: f64 = 1.0;
+/// The same of a ratio.
+const RATIO: f64 = 6.0;
+
+fn codes(results: &Results) -> Vec<&str> {
+    // Parameters that are hardly excited can be left out of any recording.
+    results.remedies.iter().map(|remedy| remedy.code.as_str()).filter(|code| *code != "not-excited").collect()
+}
+
+fn remedy<'r>(results: &'r Results, code: &str) -> &'r Remedy {
+    let found = results.remedies.iter().find(|remedy| remedy.code == code);
+    found.unwrap_or_else(|| panic!("{code} is not among {:?}; {:?}", codes(results), results.verdict_reasons))
+}
+
+/// The results without a fault.
+fn clean() -> &'static Results {
+    static CLEAN: OnceLock<Results> = OnceLock::new();
+    CLEAN.get_or_init(|| {
+        let twin = Twin::new();
+        let results = twin.run(&twin.experiment(KEYS));
+        assert!(codes(&results).is_empty(), "{:?}", codes(&results));
+        assert!(largest_error(&results) < NEAR_TRUTH, "{}", largest_error(&results));
+        results
+    })
+}
+
+/// Runs a twin with a fault, and again with the remedies of these codes; returns both.
+fn mended(fault: impl FnOnce(&mut Log), wanted: &[&str], same: f64) -> (Results, Results) {
+    let clean = clean();
+    let twin = Twin::new().with(fault);
+    let experiment = twin.experiment(KEYS);
+    let before = twin.run(&experiment);
+    wanted.iter().for_each(|code| {
+        remedy(&before, code);
+    });
+    let others: Vec<&str> = codes(&before).into_iter().filter(|code| !wanted.contains(code)).collect();
+    assert!(others.is_empty(), "other than {wanted:?}: {others:?}");
+    let after = twin.remedied(&experiment, &before, wanted);
+    let (error, difference) = (largest_error(&after), largest_difference(&after, clean));
+    println!(
+        "{wanted:?}: friction off by {error:.3}, before {:.3}; {difference:.3} half widths",
+        largest_error(&before)
+    );
+    println!("before: {:.3} half widths", largest_difference(&before, clean));
+    assert!(error < NEAR_TRUTH, "{wanted:?}: friction is off by {error}");
+    assert!(difference < same, "{wanted:?}: {difference} half widths from the twin without the fault");
+    assert!(codes(&after).is_empty(), "{:?}", codes(&after));
+    (before, after)
+}
+
+fn scale(series: &mut Series, joint: usize, factor: f64) {
+    (0..series.len()).for_each(|k| series.sample_mut(k)[joint] *= factor);
+}
+
+fn exchange_torques(log: &mut Log) {
+    (0..log.torque.len()).for_each(|k| log.torque.sample_mut(k).swap(1, 2));
+}
+
+#[test]
+fn exchanged_torques_are_exchanged_back() {
+    let (before, _) = mended(exchange_torques, &["joints-swapped-2-3"], SAME);
+    assert_eq!(remedy(&before, "joints-swapped-2-3").label, "Exchange the torques of joints 2 and 3");
+    let reason = before.verdict_reasons.iter().find(|r| r.remedies.contains(&"joints-swapped-2-3".to_owned()));
+    assert!(reason.is_some(), "{:?}", before.verdict_reasons);
+}
+
+#[test]
+fn torques_with_the_opposite_sign_are_reversed_together() {
+    let fault = |log: &mut Log| log.torque.values_mut().iter_mut().for_each(|t| *t = -*t);
+    let (before, _) = mended(fault, &["torque-sign"], SAME);
+    let remedy = remedy(&before, "torque-sign");
+    assert_eq!(remedy.label, "Reverse the torque of all joints");
+    let change = &remedy.changes[0];
+    assert_eq!(
+        (change.key.as_str(), change.after.as_deref(), change.before.as_deref()),
+        ("recording.torque.gain", Some("-1.0"), None)
+    );
+}
+
+#[test]
+fn one_torque_with_the_opposite_sign_is_reversed() {
+    mended(|log| scale(&mut log.torque, 3, -1.0), &["torque-sign-4"], SAME);
+}
+
+#[test]
+fn one_position_with_the_opposite_sign_is_reversed() {
+    mended(|log| scale(&mut log.position, 2, -1.0), &["position-sign-3"], SAME);
+}
+
+/// The check takes position and torque of joint 2 for reversed, and finds that much is left.
+#[test]
+fn a_correction_that_leaves_much_is_no_remedy() {
+    let twin = Twin::new().with(|log| scale(&mut log.position, 1, -1.0));
+    let results = twin.run(&twin.experiment(KEYS));
+    assert!(results.findings.iter().flat_map(|r| &r.findings).any(|f| f.code == Code::PositionSign));
+    assert!(codes(&results).is_empty(), "{:?}", codes(&results));
+}
+
+#[test]
+fn two_faults_are_mended_together() {
+    let fault = |log: &mut Log| {
+        exchange_torques(log);
+        scale(&mut log.torque, 4, -1.0);
+    };
+    mended(fault, &["joints-swapped-2-3", "torque-sign-5"], SAME);
+}
+
+#[test]
+fn degrees_get_their_unit() {
+    let fault = |log: &mut Log| log.position.values_mut().iter_mut().for_each(|q| *q = q.to_degrees());
+    let (before, _) = mended(fault, &["position-scale"], SAME);
+    assert_eq!(remedy(&before, "position-scale").label, "Unit of position: deg");
+}
+
+#[test]
+fn torques_a_thousand_times_too_large_get_their_unit() {
+    let fault = |log: &mut Log| log.torque.values_mut().iter_mut().for_each(|t| *t *= 1e3);
+    let (before, _) = mended(fault, &["a-priori-scale"], SAME);
+    assert_eq!(remedy(&before, "a-priori-scale").label, "Unit of torque: mN m");
+}
+
+#[test]
+fn late_torques_get_their_delay() {
+    let fault = |log: &mut Log| {
+        let early = log.torque.clone();
+        (3..early.len()).for_each(|k| log.torque.sample_mut(k).copy_from_slice(early.sample(k - 3)));
+    };
+    let (before, _) = mended(fault, &["lag"], NEARLY_SAME);
+    let remedy = remedy(&before, "lag");
+    let delay: f64 = remedy.changes[0].after.as_ref().unwrap().parse().unwrap();
+    assert!((delay - 3.0 / RATE_HZ).abs() < 0.1 / RATE_HZ, "{delay}");
+    assert!(remedy.label.starts_with("Torque 1") && remedy.label.ends_with(" ms late"), "{}", remedy.label);
+}
+
+#[test]
+fn torques_that_are_held_are_said_to_be() {
+    let fault = |log: &mut Log| log.torque = delayed(&log.torque, &vec![-0.5; log.torque.channels()]);
+    let (before, _) = mended(fault, &["lag"], NEARLY_SAME);
+    assert_eq!(remedy(&before, "lag").label, "Torque held until the next sample");
+}
+
+#[test]
+fn a_wrong_gear_ratio_that_the_model_names_is_corrected() {
+    let fault = |log: &mut Log| {
+        scale(&mut log.position, 1, 1.02);
+        scale(&mut log.torque, 1, 1.0 / 1.02);
+    };
+    let (before, _) = mended(fault, &["gear-ratio-2"], RATIO);
+    let torque = remedy(&before, "gear-ratio-2").changes.iter().find(|c| c.key == "recording.torque.gain").unwrap();
+    let gains: Vec<f64> =
+        torque.after.as_ref().unwrap().trim_matches(['[', ']']).split(", ").map(|g| g.parse().unwrap()).collect();
+    assert!((gains[1] - 1.02).abs() < 0.003 && gains[0] == 1.0, "{gains:?}");
+}
+
+/// The friction that the load adds is a parameter of its own: 0.1 of the torque of gravity.
+#[test]
+fn friction_of_the_load_gets_its_term() {
+    let twin = Twin::with_friction(&|_, dq, gravity| 0.1 * gravity.abs() * dq.signum());
+    let experiment = twin.experiment(KEYS);
+    let before = twin.run(&experiment);
+    remedy(&before, "load-friction");
+    let after = twin.remedied(&experiment, &before, &["load-friction"]);
+    let run = after.runs.first().unwrap();
+    let load = run.parameters.iter().find(|p| p.name.starts_with("fl2")).unwrap();
+    assert!((load.estimate - 0.1).abs() < 0.01, "{}", load.estimate);
+    assert!(largest_error(&after) < NEAR_TRUTH, "{}", largest_error(&after));
+    assert!(!codes(&after).contains(&"load-friction"));
+}
+
+#[test]
+fn a_filter_that_removes_motion_is_raised() {
+    let twin = Twin::new();
+    let experiment = twin.experiment(&KEYS.replace("cutoff_hz = 15", "cutoff_hz = 0.7 # low"));
+    let before = twin.run(&experiment);
+    let after = twin.remedied(&experiment, &before, &["cutoff-low"]);
+    let errors = [&before, &after, clean()].map(largest_error);
+    println!("{errors:?}");
+    assert!(errors[1] < NEAR_TRUTH && errors[1] < 0.5 * errors[0], "{errors:?}");
+}
+
+#[test]
+fn samples_stamped_on_arrival_are_taken_as_equally_spaced() {
+    let fault = |log: &mut Log| {
+        let late = |k: usize| 0.3 * ((k * 7919) % 101) as f64 / 101.0 / RATE_HZ;
+        log.time.iter_mut().enumerate().for_each(|(k, t)| *t += late(k));
+    };
+    let (before, _) = mended(fault, &["clock-jitter"], SAME);
+    let keys: Vec<&str> = remedy(&before, "clock-jitter").changes.iter().map(|c| c.key.as_str()).collect();
+    assert_eq!(keys, ["recording.time", "recording.sample_rate_hz"]);
+}
+
+#[test]
+fn rests_are_left_out() {
+    let twin = Twin::new().with(|log| {
+        let n = log.position.channels();
+        let rest = |series: &Series| -> Series {
+            let first = series.sample(0).to_vec();
+            let values = (0..800).flat_map(|_| first.clone()).chain(series.values().iter().copied()).collect();
+            Series::shaped(n, values)
+        };
+        (log.position, log.torque) = (rest(&log.position), rest(&log.torque));
+        log.time = (0..log.position.len()).map(|k| k as f64 / RATE_HZ).collect();
+    });
+    let experiment =
+        twin.experiment(&KEYS.replace("decimation = 8", "decimation = 8\nmask = \"none\"\nwindow_start_s = 0.1"));
+    let before = twin.run(&experiment);
+    remedy(&before, "still-period");
+    let after = twin.remedied(&experiment, &before, &["still-period"]);
+    assert!(largest_error(&after) < largest_error(&before).max(NEAR_TRUTH), "{}", largest_error(&after));
+    assert!(!codes(&after).contains(&"still-period"));
+}
+
+#[test]
+fn an_unknown_code_is_refused_with_those_that_there_are() {
+    let twin = Twin::new().with(exchange_torques);
+    let experiment: Experiment = twin.experiment(KEYS);
+    let results = twin.run(&experiment);
+    let error = experiment.with_remedies(&results.remedies, &["lag".to_owned()]).unwrap_err();
+    assert!(matches!(&error, ExperimentError::UnknownRemedy { code, known, .. } if code == "lag" && !known.is_empty()));
+    assert!(error.to_string().contains("joints-swapped-2-3 (Exchange the torques of joints 2 and 3)"), "{error}");
+}
+
+/// A joint that is held still is locked where it is, and its columns are left out.
+#[test]
+fn a_joint_that_does_not_move_is_locked() {
+    let twin = Twin::with_still_joint(5);
+    let experiment = twin.experiment(KEYS);
+    let before = twin.run(&experiment);
+    let remedy = remedy(&before, "joint-still-6");
+    assert_eq!(remedy.label, "Lock joint 6");
+    let after = twin.remedied(&experiment, &before, &["joint-still-6"]);
+    assert_eq!(after.robot_locked.len(), 1);
+    assert!((after.robot_locked[0].value - STILL_AT).abs() < 1e-6, "{:?}", after.robot_locked);
+    let run = after.runs.first().unwrap();
+    for (name, value) in truth().filter(|(name, _)| !name.ends_with('6') && !name.ends_with('7')) {
+        let found = run.parameter(&name).unwrap().estimate;
+        assert!((found / value - 1.0).abs() < NEAR_TRUTH, "{name}: {found}, not {value}");
+    }
+    // The locked joint is no joint any more: joint 7 is the sixth.
+    assert!(!codes(&after).iter().any(|code| code.starts_with("joint-still")), "{:?}", codes(&after));
+}
+
+/// Leaving out what is hardly excited makes the error on parts left out no larger, and leaves the other values.
+#[test]
+fn parameters_that_are_not_essential_are_left_out() {
+    let before = clean();
+    let remedy = remedy(before, "not-excited");
+    assert!(remedy.label.starts_with("Leave out "), "{}", remedy.label);
+    let twin = Twin::new();
+    let after = twin.remedied(&twin.experiment(KEYS), before, &["not-excited"]);
+    let error = |results: &Results| run_of(results).cross_validation_relative_error_percent.unwrap();
+    assert!(error(&after) <= 1.01 * error(before), "{}, before {}", error(&after), error(before));
+    assert!(largest_error(&after) < NEAR_TRUTH, "{}", largest_error(&after));
+    assert!(run_of(&after).parameters.len() < run_of(before).parameters.len());
+}
+
+/// The remedies of a results.json from elsewhere cannot write more than a comment and the keys of their steps.
+#[test]
+fn a_hostile_remedy_stays_in_its_comment() {
+    let twin = Twin::new();
+    let experiment = twin.experiment(KEYS);
+    let step = |step: RemedyStep| RecordingStep {
+        recording: Some("1".to_owned()),
+        held_back: false,
+        with_reference: false,
+        with_velocity: false,
+        step,
+    };
+    let remedy = |code: &str, steps| Remedy {
+        code: code.to_owned(),
+        label: "a\n[signal]\ncutoff_hz = 1".to_owned(),
+        found: "b\nrobot = \"/etc/passwd\"".to_owned(),
+        finding: None,
+        also: Vec::new(),
+        cause: None,
+        changes: Vec::new(),
+        steps,
+    };
+    let code = "c\nrobot = 1";
+    let text = experiment
+        .with_remedies(&[remedy(code, vec![step(RemedyStep::Delay { delay_s: 0.01 })])], &[code.to_owned()])
+        .unwrap();
+    let [before, after]: [toml::Table; 2] = [&experiment.text, &text].map(|text| toml::from_str(text).unwrap());
+    let mut expected = before;
+    expected["recording"]["torque"].as_table_mut().unwrap().insert("delay_s".to_owned(), 0.01.into());
+    assert_eq!(after, expected);
+    for wrong in [
+        RemedyStep::ExchangeJoints { signal: RemedySignal::Torque, joints: [0, 1] },
+        RemedyStep::ExchangeJoints { signal: RemedySignal::Both, joints: [1, 99] },
+        RemedyStep::Scale { position: vec![2.0], torque: Vec::new() },
+        RemedyStep::LockJoint { joint: 0, name: "j1".to_owned(), value: 0.0 },
+        RemedyStep::CorrectReference { delay_s: vec![0.0], scale: Vec::new(), offset: Vec::new() },
+    ] {
+        let error = experiment.with_remedies(&[remedy("x", vec![step(wrong)])], &["x".to_owned()]).unwrap_err();
+        assert!(matches!(error, ExperimentError::NoRemedy { .. }), "{error}");
+    }
+}

@@ -1,0 +1,40 @@
+// Remedies that are settings: a button for each, and what the last one changed.
+
+import type { Remedy } from "../contract";
+import type { View } from "./Page";
+
+/** Applies a remedy and identifies again. */
+export function RemedyButton({ state, app, remedies, remedy }: View & { remedies: Remedy[]; remedy: Remedy }) {
+  const isDisabled = state.task !== null || state.experiment === null;
+  return (
+    <p class="buttons">
+      <button type="button" disabled={isDisabled} title={changesOf(remedy)} onClick={() => app.mend(remedies, remedy)}>{remedy.label}, and identify</button>
+    </p>
+  );
+}
+
+/** The findings of a run that a setting mends. */
+export function Remedies({ state, app }: View) {
+  const remedies = state.identified?.results.remedies ?? [];
+  // A remedy is of the text that was identified: in another one it may be there already.
+  if (remedies.length === 0 || state.identified?.experiment !== state.experiment?.text) return null;
+  return (
+    <ul class="findings" aria-label="Remedies">
+      {remedies.map((remedy) => (
+        <li key={remedy.code} class="finding" data-severity="warning">
+          <p>{remedy.found} <span class="code">[{remedy.code}]</span></p>
+          <RemedyButton state={state} app={app} remedies={remedies} remedy={remedy} />
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+/** What the last remedy changed against the run before. */
+export function Change({ state: { changed } }: Pick<View, "state">) {
+  return changed && <pre class="changed" tabIndex={0} role="region" aria-label={`Change by: ${changed.label}`}>{changed.text}</pre>;
+}
+
+function changesOf({ changes }: Remedy): string {
+  return changes.map(({ key, before, after }) => `${key}: ${after ?? "removed"}${before === null ? "" : `, instead of ${before}`}`).join("\n");
+}
