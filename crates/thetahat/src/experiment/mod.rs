@@ -13,6 +13,7 @@
 //! # Ok::<(), thetahat::experiment::ExperimentError>(())
 //! ```
 
+mod arrival_times;
 mod column_names;
 mod copies;
 mod delays;
@@ -25,6 +26,7 @@ mod power;
 mod predict;
 mod proposal;
 mod reading;
+mod repeated_rows;
 mod robot_file;
 mod run;
 mod subject;
