@@ -33,8 +33,9 @@ use thetahat_report::results::{ComparedFilter, Filter, FilterChoice, FilterError
 /// have together.
 const RECORDINGS: [usize; 2] = [3, 10];
 const SAMPLES: usize = 600_000;
-/// Draws of the noise of the torques for each of these recordings, other ones for each.
-const TORQUE_DRAWS: usize = 4;
+/// Draws of the noise of the torques, and how many of them each of these recordings takes, in turn.
+const TORQUE_DRAWS: usize = 12;
+const DRAWS_OF_EACH: usize = 4;
 /// Most operations for all filters on a twin: some seconds.
 const MOST_WORK: f64 = 1e11;
 /// Operations for each entry of the observation matrix of a sample: the regressor and the parallel filter.
@@ -246,9 +247,9 @@ impl<'a> Study<'a> {
         threads: usize,
     ) -> Vec<Option<FilterError>> {
         let recordings: Vec<Recording> = (0..copies).map(|seed| twin.recording.record(seed as u64)).collect();
-        let noise = twin.recording.torque_noise(TORQUE_DRAWS * copies);
+        let noise = twin.recording.torque_noise(TORQUE_DRAWS);
         let errors = in_groups(filters, threads, |group| {
-            let of_copies = recordings.iter().zip(noise.chunks(TORQUE_DRAWS));
+            let of_copies = recordings.iter().zip(noise.chunks(DRAWS_OF_EACH).cycle());
             let by_copy: Vec<Vec<Option<Errors>>> =
                 of_copies.map(|(recording, noise)| self.errors(recording, noise, group, twin)).collect();
             let of = |i: usize| by_copy.iter().map(|errors| errors[i].clone()).collect::<Vec<_>>();

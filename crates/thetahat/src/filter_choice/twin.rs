@@ -32,7 +32,7 @@ const TORQUE_SEED: u64 = 1 << 32;
 
 /// Most steps of a twin's simulation times the square of its joints: some seconds. A loop that takes more is too stiff, and the motion
 /// itself with its torques does as well.
-const MOST_WORK: f64 = 3e7;
+const MOST_WORK: f64 = 8e6;
 /// The velocity scale of friction as a part of a joint's rms velocity.
 const OF_VELOCITY: f64 = 0.02;
 
