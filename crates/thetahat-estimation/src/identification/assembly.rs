@@ -72,6 +72,25 @@ impl<'a> Assembly<'a> {
         Ok((0..tau.channels()).flat_map(|j| decimated.channel(j)).collect())
     }
 
+    /// The vectors `y` of several torques, from a sample on, in one pass of the filter.
+    ///
+    /// # Errors
+    /// [`SignalError`] where the recording is too short for the filter.
+    #[doc(hidden)]
+    pub fn measurement_vectors(&self, torques: &[Series], first: usize) -> Result<Vec<Vec<f64>>, SignalError> {
+        let joints = self.model.coordinate_count();
+        let decimated = self.decimator.decimate_computed(joints * torques.len(), |k, sample| {
+            for (tau, values) in torques.iter().zip(sample.chunks_exact_mut(joints)) {
+                values.copy_from_slice(tau.sample(first + k));
+            }
+            if let Some(mask) = &self.mask {
+                mask.scale(k, sample, |channel| channel % joints);
+            }
+        })?;
+        let of_torque = |i: usize| (0..joints).flat_map(|j| decimated.channel(i * joints + j)).collect();
+        Ok((0..torques.len()).map(of_torque).collect())
+    }
+
     /// A simulated response and its sensitivities in the rows of y of some joints. `fill` is called for each sample in order and writes one
     /// value for each of them, followed by `parameters` derivatives for each.
     ///

@@ -187,8 +187,24 @@ impl ClosedLoop<'_> {
         motor_inertia: &[f64],
         grid: &OutputGrid,
     ) -> Result<SimulatedMotion, SimulationError> {
+        self.simulate_within(theta, motor_inertia, grid, f64::INFINITY)
+    }
+
+    /// The same, given up after so many adaptive steps, where another result will do.
+    ///
+    /// # Errors
+    /// [`SimulationError`] with joint and time.
+    #[doc(hidden)]
+    pub fn simulate_within(
+        &self,
+        theta: &[f64],
+        motor_inertia: &[f64],
+        grid: &OutputGrid,
+        most_steps: f64,
+    ) -> Result<SimulatedMotion, SimulationError> {
         let job = Job { closed_loop: *self, theta, motor_inertia, grid: *grid };
         let mut running = Running::new(&job)?;
+        running.system.most_steps = running.system.most_steps.min(most_steps);
         if running.advance()? {
             running.run()?;
         }

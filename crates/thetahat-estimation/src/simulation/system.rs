@@ -38,6 +38,8 @@ pub(super) struct Loop<'a> {
     pub(super) motion: SimulatedMotion,
     runaway: f64,
     steps: f64,
+    /// Adaptive steps after which the simulation is given up.
+    pub(super) most_steps: f64,
 }
 
 impl<'a> Loop<'a> {
@@ -58,6 +60,7 @@ impl<'a> Loop<'a> {
             grid: *grid,
             next_output: 0,
             steps: 0.0,
+            most_steps: ADAPTIVE_STEPS_PER_S * grid.time(grid.samples).max(1.0),
             setup,
             controller,
             reference,
@@ -217,7 +220,7 @@ impl<'a> Loop<'a> {
             Solver::Automatic { .. } | Solver::Adaptive { .. } | Solver::Implicit { .. } => true,
             Solver::Fixed { .. } => false,
         };
-        if adaptive && self.steps > ADAPTIVE_STEPS_PER_S * self.end().max(1.0) {
+        if adaptive && self.steps > self.most_steps {
             return Err(SimulationError::TooStiff { steps: self.steps, time_s: t });
         }
         Ok(())

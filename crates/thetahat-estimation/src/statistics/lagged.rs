@@ -2,6 +2,12 @@
 
 /// Partial sums side by side, so that they fill vectors.
 const LANES: usize = 16;
+/// Samples of a series that stay in the fastest memory while all lags pass.
+const BLOCK: usize = 1024;
+/// Lags that are summed at a time.
+const TOGETHER: usize = 4;
+/// Groups of outputs that are summed at a time.
+const TILES: usize = 4;
 
 /// `sums[l] += sum_t a[t] b[t + l]`.
 pub(super) fn add_lagged_products(a: &[f64], b: &[f64], sums: &mut [f64]) {
@@ -29,23 +35,35 @@ impl pulp::WithSimd for LaggedProducts<'_> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        for (lag, sum) in self.sums.iter_mut().enumerate().take(self.a.len()) {
-            *sum += dot(&self.a[..self.a.len() - lag], &self.b[lag..]);
+        let Self { a, b, sums } = self;
+        let lags = sums.len().min(a.len());
+        for start in (0..a.len()).step_by(BLOCK) {
+            let here = &a[start..a.len().min(start + BLOCK)];
+            for (group, sums) in sums[..lags].chunks_mut(TOGETHER).enumerate() {
+                add_products(here, b.get(start + TOGETHER * group..).unwrap_or_default(), sums);
+            }
         }
     }
 }
 
+/// `sums[l] += sum_t a[t] b[t + l]` of a few lags, so that `a` is read once for all of them.
 #[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut partial = [0.0; LANES];
-    let (a_chunks, b_chunks) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    let rest: f64 = a_chunks.remainder().iter().zip(b_chunks.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in a_chunks.zip(b_chunks) {
-        for l in 0..LANES {
-            partial[l] += a[l] * b[l];
+fn add_products(a: &[f64], b: &[f64], sums: &mut [f64]) {
+    let together = b.len().saturating_sub(TOGETHER - 1).min(a.len()) / LANES * LANES;
+    let mut partial = [[0.0; LANES]; TOGETHER];
+    for t in (0..together).step_by(LANES) {
+        let a = &a[t..t + LANES];
+        for (lag, partial) in partial.iter_mut().enumerate() {
+            let b = &b[t + lag..t + lag + LANES];
+            for l in 0..LANES {
+                partial[l] += a[l] * b[l];
+            }
         }
     }
-    rest + partial.iter().sum::<f64>()
+    for (lag, (sum, partial)) in sums.iter_mut().zip(partial).enumerate() {
+        let rest = a[together..].iter().zip(b.get(together + lag..).unwrap_or_default());
+        *sum += partial.iter().sum::<f64>() + rest.map(|(a, b)| a * b).sum::<f64>();
+    }
 }
 
 struct Convolution<'a> {
@@ -60,14 +78,35 @@ impl pulp::WithSimd for Convolution<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
         let Self { c, a, out } = self;
-        out.fill(0.0);
-        for (lag, &c) in c.iter().enumerate().take(a.len()) {
-            add_scaled(c, &a[lag..], out);
-            if lag > 0 {
-                add_scaled(c, a, &mut out[lag..]);
+        // Zeros on both sides: every output has all lags, and every tile is full.
+        let reach = c.len().min(a.len()).saturating_sub(1);
+        let mut padded = vec![0.0; reach + a.len() + reach + TILES * LANES];
+        padded[reach..reach + a.len()].copy_from_slice(a);
+        for (tile, out) in out.chunks_mut(TILES * LANES).enumerate() {
+            let middle = reach + tile * TILES * LANES;
+            let sums = tile_of_convolution(&c[..c.len().min(reach + 1)], &padded, middle);
+            out.iter_mut().zip(sums.as_flattened()).for_each(|(out, sum)| *out = *sum);
+        }
+    }
+}
+
+/// The outputs from `middle` on, summed over all lags before they are stored.
+#[inline(always)]
+fn tile_of_convolution(c: &[f64], padded: &[f64], middle: usize) -> [[f64; LANES]; TILES] {
+    let mut sums = [[0.0; LANES]; TILES];
+    for (lag, &c) in c.iter().enumerate() {
+        // At lag zero the two sides are one.
+        let c = if lag == 0 { 0.5 * c } else { c };
+        let before = &padded[middle - lag..][..TILES * LANES];
+        let after = &padded[middle + lag..][..TILES * LANES];
+        for (k, sums) in sums.iter_mut().enumerate() {
+            let (before, after) = (&before[k * LANES..][..LANES], &after[k * LANES..][..LANES]);
+            for l in 0..LANES {
+                sums[l] += c * (before[l] + after[l]);
             }
         }
     }
+    sums
 }
 
 struct LowerHalf<'a> {
@@ -99,6 +138,26 @@ mod tests {
 
     fn series(seed: f64) -> Vec<f64> {
         (0..53).map(|k| (seed * f64::from(k)).sin()).collect()
+    }
+
+    /// Longer than a block, and not a multiple of anything.
+    #[test]
+    fn long_series_are_summed_block_by_block() {
+        let long = |seed: f64| -> Vec<f64> { (0..2 * BLOCK + 77).map(|k| (seed * k as f64).sin()).collect() };
+        let (a, b, c) = (long(0.7), long(1.9), long(0.3)[..61].to_vec());
+        let mut sums = vec![0.0; 61];
+        add_lagged_products(&a, &b, &mut sums);
+        for (lag, sum) in sums.iter().enumerate() {
+            let expected: f64 = a.iter().zip(&b[lag..]).map(|(a, b)| a * b).sum();
+            assert!((sum - expected).abs() < 1e-10, "lag {lag}");
+        }
+        let mut out = vec![9.0; a.len()];
+        convolve(&c, &a, &mut out);
+        for t in 0..a.len() {
+            let near = t.saturating_sub(60)..(t + 61).min(a.len());
+            let expected: f64 = near.map(|s| c[t.abs_diff(s)] * a[s]).sum();
+            assert!((out[t] - expected).abs() < 1e-11, "row {t}");
+        }
     }
 
     #[test]

@@ -27,10 +27,13 @@
 //! ```
 
 mod detect;
+mod envelope;
 mod error;
 mod fit;
 mod fourier;
 mod law;
+mod linear_step;
+mod local_column;
 mod moves;
 mod period;
 mod periodic;

@@ -130,7 +130,9 @@ impl Moves {
     #[doc(hidden)]
     pub fn jerk(&self, t: f64, dddq: &mut [f64]) {
         dddq.fill(0.0);
-        for (k, motion) in self.moves.iter().enumerate() {
+        let finished = self.moves.partition_point(|m| m.law.end_s() <= t);
+        let begun = self.moves.iter().enumerate().skip(finished).take_while(|(_, m)| m.law.start_s <= t);
+        for (k, motion) in begun {
             let ddds = motion.law.jerk(t);
             let from_to = self.start_of(k).iter().zip(&motion.end);
             dddq.iter_mut().zip(from_to).for_each(|(dddq, (from, to))| *dddq += (to - from) * ddds);

@@ -13,6 +13,7 @@
 //! # Ok::<(), thetahat::experiment::ExperimentError>(())
 //! ```
 
+mod arrival_times;
 mod column_names;
 mod copies;
 mod delays;
@@ -26,6 +27,7 @@ mod predict;
 mod proposal;
 mod reading;
 mod remedies;
+mod repeated_rows;
 mod robot_file;
 mod run;
 mod subject;

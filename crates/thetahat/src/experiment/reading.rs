@@ -3,10 +3,12 @@
 use std::{collections::BTreeMap, path::Path};
 
 use super::{
+    arrival_times::equal_times,
     copies::{selected, without_copies},
     delays::without_delays,
     description::{Experiment, RecordingDescription},
     error::ExperimentError,
+    repeated_rows::{bridged, repeated_rows},
 };
 use crate::preparation::{PreparationError, Recording, unwrap};
 use thetahat_data::recording::{self, ChannelSource, Clock, Dimension, RecordingError, Side};
@@ -58,7 +60,7 @@ impl Experiment {
             ..Recording::without_torque(1.0, position)
         };
         let (read, times) = with_samples_once(read, times);
-        let clock = clock_of(description, data, times)?;
+        let (read, clock) = clock_of_read(description, data, with_repeats_bridged(read), times)?;
         let recording = described(description, number, data, read, &clock);
         let is_held = description.torque.as_ref().is_some_and(|torque| torque.held);
         let recording = if is_held { recording.with_held_torque() } else { recording };
@@ -107,7 +109,7 @@ impl Experiment {
         let times = read_times(description, data, &position)?;
         let read = Recording { channels, ..Recording::without_torque(1.0, position) };
         let (read, times) = with_samples_once(read, times);
-        let clock = clock_of(description, data, times)?;
+        let (read, clock) = clock_of_read(description, data, with_repeats_bridged(read), times)?;
         let recording = described(description, 1, data, read, &clock);
         let recording = recording.unwrapped(&self.robot);
         Ok(without_delays(recording.into_equal_steps(&clock), description))
@@ -169,6 +171,41 @@ fn with_samples_once(mut read: Recording, times: Option<Vec<f64>>) -> (Recording
     read.channels.values_mut().for_each(|s| *s = selected(s, &kept));
     let times = kept.iter().map(|&k| all[k]).collect();
     (read, Some(times))
+}
+
+/// The recording with the rows interpolated that a logger repeated, which its notes name.
+fn with_repeats_bridged(mut read: Recording) -> Recording {
+    let Some(repeated) = repeated_rows(&read.position, read.torque.as_ref()) else { return read };
+    read.notes.push(format!(
+        "{} of {} samples repeat the one before while the robot moves, as where a logger asks more often than there are new values: they \
+         were replaced by values interpolated between the new ones",
+        repeated.len(),
+        read.position.len()
+    ));
+    read.position = bridged(&read.position, &repeated);
+    for series in [&mut read.torque, &mut read.velocity, &mut read.reference, &mut read.added_signal] {
+        *series = series.as_ref().map(|s| bridged(s, &repeated));
+    }
+    read
+}
+
+/// The clock of a recording, with equal steps where its stamps are times of arrival, which its notes name.
+fn clock_of_read(
+    description: &RecordingDescription,
+    data: &Path,
+    mut read: Recording,
+    times: Option<Vec<f64>>,
+) -> Result<(Recording, Clock), ExperimentError> {
+    let clock = clock_of(description, data, times.clone())?;
+    let Some(equal) = times.and_then(|times| equal_times(&times, &clock, &read.position)) else {
+        return Ok((read, clock));
+    };
+    read.notes.push(
+        "its time stamps are times of arrival: in their order its positions are smooth, and by their stamps rough; it is taken as sampled \
+         at equal steps"
+            .to_owned(),
+    );
+    Ok((read, clock_of(description, data, Some(equal))?))
 }
 
 /// A recording with what its description says.

@@ -10,7 +10,7 @@ use super::{
     recorder::Recorder,
     score::{Errors, Tried, relative_errors, sizes},
     separated::separated,
-    twin::{Mover, Noise, RecordingTwin},
+    twin::{Mover, RecordingTwin},
 };
 use crate::preparation::{
     Basis, Case, FilteredRecording, ParameterChoice, ParameterSelection, PreparationError, Problem, Recording,
@@ -33,6 +33,13 @@ use thetahat_report::results::{ComparedFilter, Filter, FilterChoice, FilterError
 /// have together.
 const RECORDINGS: [usize; 2] = [3, 10];
 const SAMPLES: usize = 600_000;
+/// Draws of the noise of the torques, and how many of them each of these recordings takes, in turn.
+const TORQUE_DRAWS: usize = 12;
+const DRAWS_OF_EACH: usize = 4;
+/// Most operations for all filters on a twin: some seconds.
+const MOST_WORK: f64 = 1e11;
+/// Operations for each entry of the observation matrix of a sample: the regressor and the parallel filter.
+const OF_ENTRY: f64 = 20.0;
 /// Number of twins: each is made with the filter that the earlier ones chose.
 const TWINS: usize = 2;
 /// Octaves within which filters are neighbours: half an octave in both of their parts.
@@ -174,10 +181,18 @@ impl<'a> Study<'a> {
         let grid = self.with_rows(if passing.is_empty() { around } else { passing });
         let filters: Vec<Filter> = grid.into_iter().chain(own).collect();
         let of_grid = 0..filters.len() - own.iter().len();
-        let mut errors = self.relative_errors(&self.twin(first, first)?, &filters, threads);
+        let copies = self.copies(&filters)?;
+        let twin = self.twin(first, first)?;
+        let mut estimates = self.estimates(&filters, &twin.names, threads);
+        let mut names = twin.names.clone();
+        let mut errors = self.relative_errors(&twin, (&filters, &estimates), copies, threads);
         for _ in 1..TWINS {
             let twin = self.twin(best(&filters[of_grid.clone()], &errors).unwrap_or(first), first)?;
-            let others = self.relative_errors(&twin, &filters, threads);
+            if twin.names != names {
+                estimates = self.estimates(&filters, &twin.names, threads);
+                names.clone_from(&twin.names);
+            }
+            let others = self.relative_errors(&twin, (&filters, &estimates), copies, threads);
             errors = errors.iter().zip(&others).map(|(a, b)| Some(FilterError::mean(&[(*a)?, (*b)?]))).collect();
         }
         let errors = smoothed(&filters, &errors);
@@ -209,45 +224,99 @@ impl<'a> Study<'a> {
         Ok(Twin { recording, names, truth, sizes })
     }
 
-    /// The errors of the estimates from a twin with each filter.
-    fn relative_errors(&self, twin: &Twin, filters: &[Filter], threads: usize) -> Vec<Option<FilterError>> {
+    /// The number of recordings of a twin, as many as their work allows.
+    fn copies(&self, filters: &[Filter]) -> Result<usize, FilterChoiceError> {
         let position = &self.recording.position;
-        let count = (SAMPLES / (position.len() * position.channels())).clamp(RECORDINGS[0], RECORDINGS[1]);
-        let recordings: Vec<Recording> = (0..count).map(|seed| twin.recording.record(seed as u64)).collect();
-        let noise = twin.recording.torque_noise();
-        let tried = |i: usize| {
-            let filter = filters[i];
-            let errors = |recording: &Recording| self.errors(recording, &noise, filter, twin);
-            let errors = Errors::mean(&recordings.iter().map(errors).collect::<Vec<_>>())?.within(&twin.sizes);
-            Some(Tried { filter, estimates: self.estimates(filter, &twin.names)?, errors })
+        let (values, joints, parameters) = (position.values().len(), position.channels(), self.basis.base.len());
+        let entries = OF_ENTRY * 0.5 * (values * parameters) as f64;
+        let rows = |filter: &Filter| values as f64 / filter.decimation as f64;
+        let work: f64 = filters.iter().map(|f| entries + 4.0 * rows(f) * (parameters * parameters) as f64).sum();
+        let most = (MOST_WORK / work) as usize;
+        if most == 0 {
+            return Err(FilterChoiceError::TooLarge { parameters, joints });
+        }
+        Ok((SAMPLES / values).clamp(RECORDINGS[0], RECORDINGS[1]).min(most))
+    }
+
+    /// The errors of the estimates from a twin with each filter, whose estimates from the recording itself are known.
+    fn relative_errors(
+        &self,
+        twin: &Twin,
+        (filters, estimates): (&[Filter], &[Option<Vec<f64>>]),
+        copies: usize,
+        threads: usize,
+    ) -> Vec<Option<FilterError>> {
+        let recordings: Vec<Recording> = (0..copies).map(|seed| twin.recording.record(seed as u64)).collect();
+        let noise = twin.recording.torque_noise(TORQUE_DRAWS);
+        let errors = in_groups(filters, threads, |group| {
+            let of_copies = recordings.iter().zip(noise.chunks(DRAWS_OF_EACH).cycle());
+            let by_copy: Vec<Vec<Option<Errors>>> =
+                of_copies.map(|(recording, noise)| self.errors(recording, noise, group, twin)).collect();
+            let of = |i: usize| by_copy.iter().map(|errors| errors[i].clone()).collect::<Vec<_>>();
+            (0..group.len()).map(|i| Errors::mean(&of(i))).collect()
+        });
+        let tried = |((&filter, errors), estimates): ((&Filter, Option<Errors>), &Option<Vec<f64>>)| {
+            Some(Tried { filter, estimates: estimates.clone()?, errors: errors?.within(&twin.sizes) })
         };
-        relative_errors(&pool::in_parallel(filters.len(), threads, tried), &twin.sizes, self.part)
+        let all: Vec<Option<Tried>> = filters.iter().zip(errors).zip(estimates).map(tried).collect();
+        relative_errors(&all, &twin.sizes, self.part)
     }
 
-    /// The estimates from the recording itself.
-    fn estimates(&self, filter: Filter, names: &ParameterChoice) -> Option<Vec<f64>> {
-        let (problem, _) = self.problem(&self.settings_with(filter), &self.recording, names).ok()?;
-        Some(idim_ls(&problem.regression, Divisor::default()).ok()?.theta)
+    /// The estimates from the recording itself with each filter.
+    fn estimates(&self, filters: &[Filter], names: &ParameterChoice, threads: usize) -> Vec<Option<Vec<f64>>> {
+        in_groups(filters, threads, |group| {
+            let filtered = self.filtered(group[0], &self.recording);
+            let estimate = |filter: &Filter| {
+                let problem = self.problem_of(*filter, filtered.as_ref()?, names).ok()?;
+                Some(idim_ls(&problem.regression, Divisor::default()).ok()?.theta)
+            };
+            group.iter().map(estimate).collect()
+        })
     }
 
-    /// The errors of the estimates from a noisy recording of a twin.
-    fn errors(&self, recording: &Recording, noise: &Noise, filter: Filter, twin: &Twin) -> Option<Errors> {
+    /// The errors of the estimates from a noisy recording of a twin, with each filter of a common cut-off.
+    fn errors(&self, recording: &Recording, noise: &[Series], group: &[Filter], twin: &Twin) -> Vec<Option<Errors>> {
+        let filtered = self.filtered(group[0], recording);
+        group.iter().map(|filter| self.errors_with(*filter, filtered.as_ref()?, noise, twin)).collect()
+    }
+
+    fn errors_with(
+        &self,
+        filter: Filter,
+        filtered: &FilteredRecording,
+        noise: &[Series],
+        twin: &Twin,
+    ) -> Option<Errors> {
         let Twin { names, truth, .. } = twin;
-        let settings = self.settings_with(filter);
-        let (problem, filtered) = self.problem(&settings, recording, names).ok()?;
+        let problem = self.problem_of(filter, filtered, names).ok()?;
         let influence = Method::IDIM_LS.influence(&problem.regression, None).ok()?;
         let found = influence.transpose_times(&problem.regression.y);
         let bias: Vec<f64> = found.iter().zip(truth).map(|(found, truth)| found - truth).collect();
         let mut variance = vec![0.0; truth.len()];
         let mut draws = Vec::new();
-        for draw in noise {
-            let rows = problem.assembly(0).measurement_vector(&draw.window(filtered.window.clone())).ok()?;
+        for rows in problem.assembly(0).measurement_vectors(noise, filtered.window.start).ok()? {
             let errors = influence.transpose_times(&rows);
             let share = self.part / noise.len() as f64;
             variance.iter_mut().zip(&errors).for_each(|(v, e)| *v += share * e * e);
             draws.push(bias.iter().zip(errors).map(|(bias, error)| bias + error).collect());
         }
         Some(Errors { bias: bias.iter().map(|b| b * b).collect(), variance, draws })
+    }
+
+    /// A recording after the position filter.
+    fn filtered(&self, filter: Filter, recording: &Recording) -> Option<FilteredRecording> {
+        Setup { robot: self.robot, settings: &self.settings_with(filter) }.filter(recording.clone()).ok()
+    }
+
+    /// X and y of a recording that passed the position filter already.
+    fn problem_of(
+        &self,
+        filter: Filter,
+        filtered: &FilteredRecording,
+        choice: &ParameterChoice,
+    ) -> Result<Problem, PreparationError> {
+        let settings = self.settings_with(filter);
+        Setup { robot: self.robot, settings: &settings }.problem_on(self.basis.clone(), &[filtered], choice)
     }
 
     /// The robot nearest to the estimate with a filter, with the parameters that the motion separates.
@@ -281,6 +350,18 @@ impl<'a> Study<'a> {
         let filtered = setup.filter(recording.clone())?;
         Ok((setup.problem_on(self.basis.clone(), &[&filtered], choice)?, filtered))
     }
+}
+
+/// Something of each filter, in their order, from what `of` makes of the filters of one cut-off: they share the filtered motion.
+fn in_groups<T: Send>(filters: &[Filter], threads: usize, of: impl Fn(&[Filter]) -> Vec<T> + Sync) -> Vec<T> {
+    let mut order: Vec<usize> = (0..filters.len()).collect();
+    order.sort_by(|&a, &b| filters[b].cutoff_hz.total_cmp(&filters[a].cutoff_hz));
+    let sorted: Vec<Filter> = order.iter().map(|&i| filters[i]).collect();
+    let groups: Vec<&[Filter]> = sorted.chunk_by(|a, b| a.cutoff_hz == b.cutoff_hz).collect();
+    let found = pool::in_parallel(groups.len(), threads, |g| of(groups[g]));
+    let mut placed: Vec<(usize, T)> = order.into_iter().zip(found.into_iter().flatten()).collect();
+    placed.sort_by_key(|(i, _)| *i);
+    placed.into_iter().map(|(_, found)| found).collect()
 }
 
 /// The filter with the least error.

@@ -32,4 +32,15 @@ pub enum FilterChoiceError {
     /// There is no recording with torques.
     #[error("no recording has torques: a filter is chosen from what it does to the estimates")]
     NoTorque,
+    /// The comparison would take minutes.
+    #[error(
+        "comparing filters on simulated copies with {parameters} parameters of {joints} joints takes too long; where the estimates \
+         matter, compare two or three values of [signal] cutoff_hz by their error on data not used"
+    )]
+    TooLarge {
+        /// Base parameters.
+        parameters: usize,
+        /// Coordinates of the robot.
+        joints: usize,
+    },
 }

@@ -28,10 +28,11 @@ const LEVEL_BAND: f64 = 2.0;
 const FIRST: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
 const SECOND: [f64; 5] = [-205.0 / 72.0, 8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0];
 
-/// Draws of the noise of the torques.
-const TORQUE_DRAWS: usize = 12;
 const TORQUE_SEED: u64 = 1 << 32;
 
+/// Most steps of a twin's simulation times the square of its joints: some seconds. A loop that takes more is too stiff, and the motion
+/// itself with its torques does as well.
+const MOST_WORK: f64 = 8e6;
 /// The velocity scale of friction as a part of a joint's rms velocity.
 const OF_VELOCITY: f64 = 0.02;
 
@@ -94,10 +95,10 @@ impl RecordingTwin {
     }
 
     /// Several draws of the noise of the torques.
-    pub(super) fn torque_noise(&self) -> Noise {
+    pub(super) fn torque_noise(&self, draws: usize) -> Noise {
         let mut rng = random_numbers(TORQUE_SEED, 0);
         let noise = self.coloured(&self.torque_noise);
-        (0..TORQUE_DRAWS).map(|_| noise.draw(self.position.len(), &mut rng)).collect()
+        (0..draws).map(|_| noise.draw(self.position.len(), &mut rng)).collect()
     }
 
     fn coloured<'s>(&self, spectrum: &'s Spectrum) -> SignalNoise<'s> {
@@ -124,7 +125,8 @@ impl Mover<'_> {
         };
         let inertia = closed_loop.motor_inertia(self.theta, samples as f64 / rate);
         let grid = OutputGrid { start_s: 0.0, sample_rate_hz: rate, samples };
-        match closed_loop.simulate(self.theta, &inertia, &grid) {
+        let most_steps = MOST_WORK / reference.channels().pow(2) as f64;
+        match closed_loop.simulate_within(self.theta, &inertia, &grid, most_steps) {
             Ok(motion) => {
                 let static_friction = self.static_friction(&motion.dq, sign_velocity_scale);
                 (motion.q, motion.tau, static_friction)
