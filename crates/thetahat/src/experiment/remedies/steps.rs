@@ -93,7 +93,7 @@ impl Draft<'_> {
         }
     }
 
-    /// A joint locked, and its channels left out of every recording; none where other keys have a value for each joint.
+    /// A joint locked, and its channels left out of every recording; none if other keys have a value for each joint.
     fn locked(&self, joint: usize, name: &str, value: f64) -> Option<Vec<Change>> {
         let table: Table = toml::from_str(&self.text).ok()?;
         if self.robot.coordinate_count() < 2 || table.contains_key("controller") || table.contains_key("simulation") {

@@ -31,10 +31,8 @@ fn every_form_of_a_table_gets_a_key() {
         "[recording]\r\ntorque = { file = \"a\" }\r\n",
     ] {
         let (edited, table) = made(text, &GAIN, 0, Value::from(-1.0));
-        let recording = match &table["recording"] {
-            Value::Array(all) => all[0].clone(),
-            one => one.clone(),
-        };
+        let recording = &table["recording"];
+        let recording = recording.as_array().map_or(recording, |all| &all[0]);
         assert_eq!(recording["torque"]["gain"].as_float(), Some(-1.0), "{edited}");
         assert!(!text.contains("# mine") || edited.contains("# mine"), "{edited}");
         let (removed, _) = made(&edited, &GAIN, 0, None);

@@ -185,7 +185,7 @@ fn friction_of_the_load_gets_its_term() {
 #[test]
 fn a_filter_that_removes_motion_is_raised() {
     let twin = Twin::new();
-    let experiment = twin.experiment(&KEYS.replace("cutoff_hz = 15", "cutoff_hz = 0.7 # low"));
+    let experiment = twin.experiment(&KEYS.replace("cutoff_hz = 15", "cutoff_hz = 0.6 # low"));
     let before = twin.run(&experiment);
     let after = twin.remedied(&experiment, &before, &["cutoff-low"]);
     let errors = [&before, &after, clean()].map(largest_error);

@@ -14,7 +14,7 @@ use thetahat_report::results::RunResult;
 use thetahat_testing::{Folder, project};
 
 pub(super) const RATE_HZ: f64 = 200.0;
-const SAMPLES: usize = 3000;
+const SAMPLES: usize = 4000;
 /// Where a joint stays that does not move, rad.
 pub(super) const STILL_AT: f64 = 0.4;
 /// Noise of a torque, part of its rms.
