@@ -3,13 +3,15 @@
 use thetahat_data::recording::Clock;
 use thetahat_ground::series::Series;
 
+/// Rms deviation of the steps, in steps, from which stamps are doubted: below, both readings give nearly the same motion.
+const LEAST_JITTER: f64 = 0.1;
 /// Roughness of a joint's positions at equal steps, relative to that by the stamps, below which the steps were equal.
 const SMOOTHER: f64 = 0.25;
 
 /// The equal times of samples whose stamps jitter, where the positions say that they were taken at equal steps: by their stamps they are
 /// rough, and one after the other they are smooth. Where the stamps are times of sampling, or samples are missing, it is the other way round.
 pub(super) fn equal_times(times: &[f64], clock: &Clock, position: &Series) -> Option<Vec<f64>> {
-    clock.resampling()?;
+    clock.resampling().filter(|resampling| resampling.rms_deviation > LEAST_JITTER)?;
     let by_stamps = clock.to_equal_steps(position.clone());
     let ratio = |j: usize| roughness(position, j) / roughness(&by_stamps, j);
     let ratios: Vec<f64> = (0..position.channels()).map(ratio).filter(|r| r.is_finite()).collect();
