@@ -114,7 +114,7 @@ impl Setup<'_> {
     pub(crate) fn require_periods(&self, samples: usize, sample_rate_hz: f64) -> Result<(), PreparationError> {
         let cutoff_hz = self.settings.signal.cutoff_hz;
         let slowest = FEWEST_PERIODS * sample_rate_hz / samples as f64;
-        let expected = format!("at least {slowest:.3}, {FEWEST_PERIODS} periods in the recordinging");
+        let expected = format!("at least {slowest:.3}, {FEWEST_PERIODS} periods in the recording");
         PreparationError::require(cutoff_hz >= slowest, "[signal] cutoff_hz", &expected, cutoff_hz)
     }
 }
