@@ -1,4 +1,4 @@
-//! Symmetric positive definite matrices with few entries beside the diagonal, and their Cholesky factor.
+//! Symmetric positive definite matrices with few entries off the diagonal, and their Cholesky factor.
 
 use thetahat_ground::linear_algebra::dot;
 

@@ -54,7 +54,7 @@ mod tests {
     }
 
     #[test]
-    fn the_positions_tell_arrival_from_sampling() {
+    fn the_positions_distinguish_arrival_from_sampling() {
         let stamps: Vec<f64> = (0..SAMPLES).map(|k| k as f64 + jitter(k)).collect();
         let equal = found(&stamps, &|k| k as f64).unwrap();
         assert!((0..SAMPLES).all(|k| (equal[k] - k as f64).abs() < 0.5));
@@ -63,7 +63,7 @@ mod tests {
         assert_eq!(found(&even, &|k| k as f64), None);
     }
 
-    /// Where a sample is missing the positions jump: their order says nothing of the times.
+    /// Where a sample is missing the positions jump: their order gives no information about the times.
     #[test]
     fn missing_samples_keep_their_stamps() {
         let true_time = |k: usize| (k + 3 * (k / 1000)) as f64;
