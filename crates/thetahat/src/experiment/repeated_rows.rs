@@ -11,7 +11,7 @@ const STEPS: f64 = 4.0;
 /// New values on either side that a bridge is made of.
 const NODES: usize = 2;
 
-/// The rows whose positions and torques are those of the row before while the robot moves; none where they are few.
+/// The rows whose positions and torques are those of the row before while the robot moves; none if they are few.
 pub(super) fn repeated_rows(position: &Series, torque: Option<&Series>) -> Option<Vec<usize>> {
     let same = |k: usize| {
         let torque_is_same = torque.is_none_or(|torque| torque.sample(k) == torque.sample(k - 1));
