@@ -68,12 +68,12 @@ pub(super) struct Choice {
     pub(super) data: LeastSquares,
     pub(super) candidates: Vec<ModelCandidate>,
     pub(super) unseen: Option<Unseen>,
-    pub(super) found: Found,
+    pub(super) found: SearchedLaws,
 }
 
 /// What was computed on the way; it holds for the same laws with others after them.
 #[derive(Default)]
-pub(super) struct Found {
+pub(super) struct SearchedLaws {
     /// The long-run deviations of each law's residual, joint by joint.
     deviations: Vec<Vec<f64>>,
     /// Base parameters; none if a fit has no result.
@@ -101,8 +101,8 @@ const POWER: f64 = 0.5;
 
 impl Choosing<'_> {
     /// The best law and weight; `found` is of the same laws without the last ones.
-    pub(super) fn choose(&self, threads: usize, found: Found) -> Option<Choice> {
-        let Found { mut deviations, fitted } = found;
+    pub(super) fn choose(&self, threads: usize, found: SearchedLaws) -> Option<Choice> {
+        let SearchedLaws { mut deviations, fitted } = found;
         let first = deviations.len();
         let of_others = in_parallel(self.laws.len() - first, threads, |k| self.deviations(&self.laws[first + k]));
         deviations.extend(of_others.into_iter().collect::<Option<Vec<_>>>()?);
@@ -113,7 +113,7 @@ impl Choosing<'_> {
         let mut search = Search { choosing: self, whitened: &whitened, threads, fitted };
         let (chosen, candidates) = search.chosen(None);
         let unseen = search.unseen();
-        let found = Found { fitted: search.fitted, deviations: deviations.clone() };
+        let found = SearchedLaws { fitted: search.fitted, deviations: deviations.clone() };
         let law = &self.laws[chosen.law];
         let fitted = whitened[chosen.law].all(law)?;
         let standard = fit_within(law.set, &fitted, self.prior(chosen), None, GAPS[1]).ok()?.standard;

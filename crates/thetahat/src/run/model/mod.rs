@@ -20,7 +20,7 @@ mod whitened;
 
 use super::identification::Identification;
 use crate::preparation::{PreparationError, Problem};
-use choice::{Choice, Choosing, Found, Law};
+use choice::{Choice, Choosing, Law, SearchedLaws};
 use folds::ModelFolds;
 use friction_terms::friction_terms;
 use result::ChosenLaw;
@@ -55,7 +55,7 @@ impl Identification {
             Err(why) => return Ok(Err(why)),
         };
         let mut variants = vec![described];
-        let Some(choice) = self.choose(&variants, Found::default()) else {
+        let Some(choice) = self.choose(&variants, SearchedLaws::default()) else {
             return Ok(Err("the rows determine no physically consistent robot".to_owned()));
         };
         let mut model = law_of(&variants, choice.law).model(&choice, runs)?;
@@ -75,7 +75,7 @@ impl Identification {
     }
 
     /// The law and the weight that predict best what is left out.
-    fn choose(&self, variants: &[Variant], found: Found) -> Option<Choice> {
+    fn choose(&self, variants: &[Variant], found: SearchedLaws) -> Option<Choice> {
         let laws: Vec<Law> = variants.iter().flat_map(Variant::laws).collect();
         let weights = self.setup().settings.model.belief_weight.map_or_else(|| WEIGHTS.to_vec(), |stated| vec![stated]);
         let folds = ModelFolds::new(self, laws[0].rows);

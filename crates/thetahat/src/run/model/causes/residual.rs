@@ -120,7 +120,7 @@ impl Residual {
         size.is_finite().then_some(evidence)
     }
 
-    /// The size of an error of one column with which its evidence is so small by chance in one of two recordings; none where the
+    /// The size of an error of one column with which its evidence is so small by chance in one of two recordings; absent if the
     /// deviations of the residual grow as fast as the error.
     pub(super) fn size_beyond(&self, column: &[f64], log10_p: f64, count: usize) -> Option<f64> {
         let wanted = deviations_beyond(log10_p, count).powi(2);
