@@ -5,16 +5,12 @@ use std::collections::HashMap;
 use super::{
     deviations::{long_run_deviation, mean, mean_and_error, rms, weighted},
     folds::ModelFolds,
-    rows::ModelRows,
+    law::Law,
     whitened::Whitened,
 };
 use thetahat_estimation::statistics::repeated_widening;
 use thetahat_ground::{linear_algebra::dot, pool::in_parallel};
-use thetahat_model::{
-    base_parameters::BaseParameters,
-    consistency::{ConsistentSet, LeastSquares, Prior, fit_within},
-    robot::TermDescription,
-};
+use thetahat_model::consistency::{LeastSquares, Prior, fit_within};
 use thetahat_report::results::ModelCandidate;
 
 /// Standard errors of the mean difference by which a challenger must be better.
@@ -37,24 +33,6 @@ pub(super) struct Choosing<'a> {
     pub(super) laws: &'a [Law<'a>],
     pub(super) weights: &'a [f64],
     pub(super) folds: &'a ModelFolds,
-}
-
-/// A law of friction: a transition of the robot as described, or one with more torque terms.
-pub(super) struct Law<'a> {
-    pub(super) set: &'a ConsistentSet,
-    pub(super) base: &'a BaseParameters,
-    pub(super) rows: &'a ModelRows,
-    pub(super) transition: f64,
-    /// In addition to the robot's.
-    pub(super) terms: &'a [TermDescription],
-}
-
-impl Law<'_> {
-    fn kinds(&self) -> Vec<String> {
-        let mut kinds: Vec<String> = self.terms.iter().map(|term| term.kind().to_owned()).collect();
-        kinds.dedup();
-        kinds
-    }
 }
 
 /// What was chosen.

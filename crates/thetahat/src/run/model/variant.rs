@@ -1,6 +1,6 @@
 //! The robot as described or with more torque terms, with the rows that the model is fitted to.
 
-use super::{beliefs::beliefs, choice::Law, rows::ModelRows};
+use super::{beliefs::beliefs, law::Law, rows::ModelRows};
 use crate::{
     preparation::{Case, PreparationError, Problem},
     run::{identification::Identification, prepared::filtered},

@@ -1,8 +1,8 @@
 //! The rows of a law, whitened by the deviations of its joints, in the parts that are left out in turn.
 
 use super::{
-    choice::Law,
     folds::{FOLDS, ModelFolds},
+    law::Law,
     rows::ModelRows,
 };
 use thetahat_ground::linear_algebra::Matrix;

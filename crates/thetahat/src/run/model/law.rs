@@ -1,0 +1,22 @@
+//! What the model is fitted in: a law of friction, with the rows that it makes.
+
+use super::rows::ModelRows;
+use thetahat_model::{base_parameters::BaseParameters, consistency::ConsistentSet, robot::TermDescription};
+
+/// A law of friction: a transition of the robot as described, or one with more torque terms.
+pub(super) struct Law<'a> {
+    pub(super) set: &'a ConsistentSet,
+    pub(super) base: &'a BaseParameters,
+    pub(super) rows: &'a ModelRows,
+    pub(super) transition: f64,
+    /// In addition to the robot's.
+    pub(super) terms: &'a [TermDescription],
+}
+
+impl Law<'_> {
+    pub(super) fn kinds(&self) -> Vec<String> {
+        let mut kinds: Vec<String> = self.terms.iter().map(|term| term.kind().to_owned()).collect();
+        kinds.dedup();
+        kinds
+    }
+}
