@@ -43,6 +43,11 @@ fn columns(line: &str) -> usize {
     plain + coloured.sum::<usize>()
 }
 
+/// A command to copy is not broken.
+fn is_command(line: &str) -> bool {
+    line.contains("thetahat identify ")
+}
+
 #[test]
 fn the_terminal_shows_the_verdict_in_its_width() {
     let folder = experiments();
@@ -50,7 +55,7 @@ fn the_terminal_shows_the_verdict_in_its_width() {
         for (experiment, verdict) in [("experiment.toml", "good"), ("swapped.toml", "do not use")] {
             let Some(shown) = captured(&folder, width, "", &format!("identify {experiment}")) else { return };
             assert!(shown.to_lowercase().contains(verdict), "{shown}");
-            let wide: Vec<&str> = shown.lines().filter(|line| columns(line) > width).collect();
+            let wide: Vec<&str> = shown.lines().filter(|line| columns(line) > width && !is_command(line)).collect();
             assert!(wide.is_empty(), "wider than {width} columns:\n{}", wide.join("\n"));
         }
     }

@@ -286,16 +286,16 @@ pub const FINDINGS: [[&str; 4]; 41] = [
 pub const REASONS: [[&str; 4]; 17] = [
     ["check-problem", "", "a problem of the checks in a recording that was used", "that of the finding"],
     [
+        "drive-gain",
+        "",
+        "a known payload gives a torque a factor whose interval excludes one, and which differs from one by more than {results/payload OF_FRICTION}, or by more than {results/payload SMALLEST} where recordings contradict each other",
+        "correct the drive's gain, or the payload's mass",
+    ],
+    [
         "recordings-disagree",
         "`recordings-contradict` is a warning: a recording that is held back differs",
         "`recordings-contradict` is a problem",
         "identify the recording that differs separately",
-    ],
-    [
-        "drive-gain",
-        "",
-        "a known payload gives a torque a factor that differs from one by more than {results/payload MATTERS}, and whose interval excludes one",
-        "correct the drive's gain, or the payload's mass",
     ],
     [
         "not-converged",
