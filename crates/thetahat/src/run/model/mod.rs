@@ -130,7 +130,7 @@ fn add_causes_in_model(model: &mut ModelResult, described: Vec<ModelCause>) {
 
 /// The law of a number, counted over all variants.
 fn law_of<'v, 'a>(variants: &'v [Variant<'a>], law: usize) -> ChosenLaw<'v, 'a> {
-    let laws = variants.iter().flat_map(|variant| variant.rows.iter().map(move |rows| (variant, rows)));
-    let (variant, (transition, rows)) = laws.skip(law).next().unwrap_or((&variants[0], &variants[0].rows[0]));
+    let mut laws = variants.iter().flat_map(|variant| variant.rows.iter().map(move |rows| (variant, rows)));
+    let (variant, (transition, rows)) = laws.nth(law).unwrap_or((&variants[0], &variants[0].rows[0]));
     ChosenLaw { variant, transition: *transition, rows }
 }

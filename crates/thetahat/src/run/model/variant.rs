@@ -50,7 +50,8 @@ impl<'a> Variant<'a> {
             Err(error) => return Ok(Err(error.to_string())),
         };
         let first = ModelRows::new(identification.setup(), &identification.main, problem, transitions[0])?;
-        let set = match set.clone().with_beliefs(beliefs(identification, problem, &first, &set)) {
+        let beliefs = beliefs(identification, problem, &first, set);
+        let set = match set.clone().with_beliefs(beliefs) {
             Ok(set) => set,
             Err(error) => return Ok(Err(error.to_string())),
         };

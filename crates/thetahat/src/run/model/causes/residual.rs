@@ -157,7 +157,8 @@ impl Residual {
         let factor = PivotedQr::with_equal_columns(&Matrix::from_columns(self.rest.len(), columns));
         let own = self.column(candidate);
         let rest = outside(&leading(&factor, factor.rank(OWN_RANK)), own);
-        (norm(&rest) > OWN_RANK * norm(own)).then(|| (rest, together.cause.members.len()))
+        let is_seen = norm(&rest) > OWN_RANK * norm(own);
+        is_seen.then_some((rest, together.cause.members.len()))
     }
 
     /// What a cause explains is explained from now on.
