@@ -3,12 +3,11 @@
 use std::{
     error::Error,
     fs::OpenOptions,
-    io::Write,
     path::{Path, PathBuf},
 };
 
 use thetahat::{Experiment, Results, report::Published};
-use thetahat_ground::output::OutputGuard;
+use thetahat_ground::output::{OutputGuard, replace_file};
 use thetahat_report::report;
 
 use crate::{
@@ -107,11 +106,11 @@ impl Version {
         }
     }
 
-    /// Writes it, never over a file.
+    /// Writes it, whole and never over a file: an empty one takes the name first.
     fn write(&self, text: &str) -> Result<(), String> {
-        let written = OpenOptions::new().write(true).create_new(true).open(&self.path);
-        written
-            .and_then(|mut file| file.write_all(text.as_bytes()))
+        let taken = OpenOptions::new().write(true).create_new(true).open(&self.path);
+        taken
+            .and_then(|_| replace_file(&self.path, text.as_bytes()))
             .map_err(|e| format!("{}: cannot be written: {e}", self.path.display()))
     }
 }

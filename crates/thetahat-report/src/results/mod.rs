@@ -74,6 +74,8 @@ pub use filter::{ComparedFilter, Filter, FilterChoice, FilterError};
 pub use grade::Grade;
 pub use joints::JointResult;
 pub use limited::Limited;
+#[doc(hidden)]
+pub use model::kinds_of;
 pub use model::{
     CauseKind, ModelCandidate, ModelCause, ModelError, ModelJointError, ModelParameter, ModelResult,
     ModelStandardParameter, ModelUse, SmallestShown, UseGrade,

@@ -143,13 +143,20 @@ impl ModelParameter {
     }
 }
 
+/// The kinds of torque terms, each once.
+#[doc(hidden)]
+#[must_use]
+pub fn kinds_of(terms: &[TermDescription]) -> Vec<&'static str> {
+    let mut kinds: Vec<&'static str> = terms.iter().map(TermDescription::kind).collect();
+    kinds.dedup();
+    kinds
+}
+
 impl ModelResult {
     /// The kinds of the torque terms that it has in addition to the robot's.
     #[must_use]
     pub fn kinds_of_terms(&self) -> Vec<&'static str> {
-        let mut kinds: Vec<&'static str> = self.terms.iter().map(TermDescription::kind).collect();
-        kinds.dedup();
-        kinds
+        kinds_of(&self.terms)
     }
 
     /// The error that it is judged by: on recordings that were held back, else on parts that were left out, else of the fit.

@@ -4,6 +4,7 @@ use std::{collections::BTreeMap, fmt};
 
 use serde::{Deserialize, Serialize};
 
+use super::model::CauseKind;
 use thetahat_estimation::{checks::Code, identification::Method};
 
 /// Whether the results can be used.
@@ -151,6 +152,9 @@ pub struct ReasonSubject {
     /// The finding of the checks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub finding: Option<Code>,
+    /// The cause that the model names.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cause: Option<CauseKind>,
 }
 
 /// Why the verdict is not good.

@@ -135,7 +135,7 @@ pub enum DesignError {
     },
     /// No motion keeps two shapes apart.
     #[error(
-        "{}: [collision] {first} and {second} are at most {furthest_mm:.1} mm apart at 2000 random postures within the limits, margin \
+        "{}: [collision] {first} and {second} are at most {furthest_mm:.1} mm apart at random postures within the limits, margin \
          {margin_mm} mm: no motion can keep it; give smaller capsules, or name the pair in [collision] ignore where they may touch",
         path.display()
     )]

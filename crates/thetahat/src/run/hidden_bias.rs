@@ -167,7 +167,7 @@ impl Bounded<'_> {
 }
 
 /// The largest velocity of each joint.
-fn peak_velocities(recordings: &[&FilteredRecording], joints: usize) -> Vec<f64> {
+pub(super) fn peak_velocities(recordings: &[&FilteredRecording], joints: usize) -> Vec<f64> {
     let mut peaks = vec![0.0_f64; joints];
     for dq in recordings.iter().map(|r| &r.motion.dq) {
         for k in 0..dq.len() {

@@ -11,6 +11,7 @@ use thetahat::{
     trajectory::{Move, Moves},
 };
 use thetahat_estimation::{signal::delayed, trajectory::TimeLaw};
+use thetahat_testing::Folder;
 
 const BASE_HZ: f64 = 0.4;
 
@@ -30,6 +31,33 @@ fn wave(seconds: f64) -> Series {
 
 fn identify(recording: Recording) -> Results {
     Identification::new(&robot(), vec![recording], settings()).unwrap().run().unwrap()
+}
+
+/// A planned motion in a file of its own has not the samples of a recording that began before it: torques are fitted without it,
+/// and positions are not.
+#[test]
+fn a_planned_motion_of_another_length_is_left_out() {
+    let folder = Folder::new();
+    let position = |k: usize| (TAU * 0.5 * k as f64 / RATE_HZ).sin();
+    let log = |k: usize| format!("{},{},{}\n", k as f64 / RATE_HZ, position(k), 2.0 * position(k + 5));
+    folder.write("log.csv", format!("t,q,tau\n{}", (0..4000).map(log).collect::<String>()));
+    folder
+        .write("planned.csv", format!("q\n{}", (100..3900).map(|k| format!("{}\n", position(k))).collect::<String>()));
+    let read = |methods: &str| {
+        let text = format!(
+            "title = 't'\nrobot = 'joint.toml'\n[recording]\ntime = {{ file = 'log.csv', columns = ['t'], unit = 's' }}\nposition = \
+             {{ file = 'log.csv', columns = ['q'], unit = 'rad' }}\ntorque = {{ file = 'log.csv', columns = ['tau'], unit = 'N m' }}\n\
+             reference = {{ file = 'planned.csv', columns = ['q'], unit = 'rad' }}\n[signal]\ncutoff_hz = 20\ndecimation = 10\n\
+             [controller]\nlaw = 'pd'\nbandwidth_hz = 10\n[estimation]\nmethods = ['{methods}']\n"
+        );
+        let robot = "name = 'joint'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n".to_owned();
+        Experiment::from_texts(Path::new("t.toml"), text, robot).unwrap().recordings(folder.path())
+    };
+    let recording = read("idim-iv").unwrap().remove(0);
+    assert!(recording.reference.is_none());
+    assert!(recording.notes.iter().any(|note| note.contains("3800 samples")), "{:?}", recording.notes);
+    let refused = read("cloe").unwrap_err().to_string();
+    assert!(refused.contains("3800") && refused.contains("4000"), "{refused}");
 }
 
 /// The largest error of IV in its deviations.

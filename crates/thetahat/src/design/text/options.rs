@@ -227,3 +227,17 @@ pub struct NoiseOptions {
 fn no_noise() -> OneOrEach<f64> {
     OneOrEach::One(0.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The highest frequency of a motion does not fall as it becomes longer, until searches take minutes.
+    #[test]
+    fn harmonics_grow_with_the_duration() {
+        let chosen = |duration_s: f64| MotionOptions::default().harmonics(duration_s);
+        assert_eq!([4.0, 20.0, 40.0, 60.0, 120.0].map(chosen), [5, 5, 10, 15, 15]);
+        let given = MotionOptions { harmonics: Some(3), ..MotionOptions::default() };
+        assert_eq!(given.harmonics(120.0), 3);
+    }
+}

@@ -147,7 +147,7 @@ fn cause(results: &Results, found: &ModelCause) -> Option<VerdictReason> {
         ("error_percent", Some(found.error_percent)),
     ];
     let parameter = found.moved.first().map(|m| m.parameter.clone());
-    let subject = ReasonSubject { parameter, ..ReasonSubject::default() };
+    let subject = ReasonSubject { parameter, cause: Some(found.kind), ..ReasonSubject::default() };
     let or = if found.rivals.is_empty() { "" } else { ", and what the recordings do not separate from it" };
     let said = ReasonText::new(seen, format!("{}{or}", remedy(results, found)));
     Some(reason(ReasonCode::Cause, verdict, &numbers, subject, said))

@@ -11,15 +11,12 @@ use crate::experiment::description::{Experiment, ExperimentFile, RecordingDescri
 use thetahat_estimation::checks::{Code, Finding, Severity};
 use thetahat_model::robot::Robot;
 use thetahat_report::results::{
-    CauseKind, ModelCause, ReasonCode, RecordingFindings, RecordingStep, Remedy, RemedyStep, Results, VerdictReason,
+    CauseKind, ModelCause, RecordingFindings, RecordingStep, Remedy, RemedyStep, Results, VerdictReason,
 };
 
 /// Enters the remedies of the results, and their codes into the reasons of the verdict.
 pub(in crate::experiment) fn enter(experiment: &Experiment, results: &mut Results) {
-    let is_late = results
-        .verdict_reasons
-        .iter()
-        .any(|r| r.code == ReasonCode::Cause && r.text.contains(CauseKind::LateTorque.words()));
+    let is_late = results.verdict_reasons.iter().any(|r| r.subject.cause == Some(CauseKind::LateTorque));
     let causes: &[ModelCause] = results.model.as_ref().map_or(&[], |model| &model.causes);
     results.remedies = remedies(experiment, &results.findings, causes, is_late);
     for reason in &mut results.verdict_reasons {
@@ -30,10 +27,9 @@ pub(in crate::experiment) fn enter(experiment: &Experiment, results: &mut Result
 
 fn is_of(remedy: &Remedy, reason: &VerdictReason) -> bool {
     let of_finding = reason.subject.finding.is_some_and(|f| remedy.finding == Some(f) || remedy.also.contains(&f));
-    let of_cause = |cause: CauseKind| reason.code == ReasonCode::Cause && reason.text.contains(cause.words());
     // The delay that the model shows is the lag that the checks measure.
     let cause = remedy.cause.or((remedy.finding == Some(Code::Lag)).then_some(CauseKind::LateTorque));
-    of_finding || cause.is_some_and(of_cause)
+    of_finding || (cause.is_some() && cause == reason.subject.cause)
 }
 
 impl Experiment {
@@ -60,11 +56,11 @@ fn remedies(
     }
     let used = findings.iter().filter(|r| !r.held_back && is_recording(&experiment.file, r)).count();
     // A joint that one recording does not move, another may.
-    let in_all = |code: &str| all.iter().filter(|candidate| candidate.code == code).count() == used;
-    let is_kept =
-        |candidate: &Candidate| !matches!(candidate.step.step, RemedyStep::LockJoint { .. }) || in_all(&candidate.code);
-    let mut is_kept = all.iter().map(is_kept).collect::<Vec<bool>>().into_iter();
-    all.retain(|_| is_kept.next().unwrap_or(true));
+    let count = |code: &str| all.iter().filter(|candidate| candidate.code == code).count();
+    let is_lock = |candidate: &&Candidate| matches!(candidate.step.step, RemedyStep::LockJoint { .. });
+    let moved = all.iter().filter(is_lock).map(|candidate| candidate.code.clone()).filter(|code| count(code) != used);
+    let moved: Vec<String> = moved.collect();
+    all.retain(|candidate| !moved.contains(&candidate.code));
     // What the checks correct already the model does not correct again.
     let known: Vec<String> = all.iter().map(|candidate| candidate.code.clone()).collect();
     all.extend(of_causes(experiment, causes).into_iter().filter(|candidate| !known.contains(&candidate.code)));
@@ -138,14 +134,21 @@ fn of_recording(experiment: &Experiment, recording: &RecordingFindings, is_late:
         found.push((ordered.order, candidate));
     }
     found.sort_by_key(|(order, _)| *order);
-    let mut all: Vec<Candidate> = found.into_iter().map(|(_, candidate)| candidate).collect();
+    let all = found.into_iter().map(|(_, candidate)| candidate).collect();
+    told_apart(up_to_side(all))
+}
+
+/// The candidates without corrections after that of a side.
+fn up_to_side(mut all: Vec<Candidate>) -> Vec<Candidate> {
     // The checks correct a side by ratios, without the couplings and signs of the transmission: what they find then may be of these.
     let side = all.iter().position(|candidate| matches!(candidate.step.step, RemedyStep::Side { .. }));
-    if let Some(side) = side {
-        let mut place = 0..all.len();
-        let is_before = |place: Option<usize>| place.is_none_or(|place| place <= side);
-        all.retain(|candidate| is_before(place.next()) || !candidate.finding.is_some_and(is_correction));
-    }
+    let later = side.map(|side| all.split_off(side + 1)).unwrap_or_default();
+    all.extend(later.into_iter().filter(|candidate| !candidate.finding.is_some_and(is_correction)));
+    all
+}
+
+/// The candidates with a code for each.
+fn told_apart(mut all: Vec<Candidate>) -> Vec<Candidate> {
     for i in 0..all.len() {
         let same = all[..i].iter().filter(|other| other.code == all[i].code).count();
         if same > 0 {

@@ -11,7 +11,7 @@ use super::{
 use thetahat_estimation::statistics::repeated_widening;
 use thetahat_ground::{linear_algebra::dot, pool::in_parallel};
 use thetahat_model::consistency::{LeastSquares, Prior, fit_within};
-use thetahat_report::results::ModelCandidate;
+use thetahat_report::results::{ModelCandidate, kinds_of};
 
 /// Standard errors of the mean difference by which a challenger must be better.
 const STANDARD_ERRORS: f64 = 2.0;
@@ -209,7 +209,7 @@ impl Search<'_> {
         ModelCandidate {
             belief_weight: self.choosing.weights[candidate.weight],
             friction_transition: law.transition,
-            terms: law.kinds(),
+            terms: kinds_of(law.terms).into_iter().map(str::to_owned).collect(),
             unseen_square,
             difference,
             taken: false,

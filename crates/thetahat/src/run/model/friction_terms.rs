@@ -1,7 +1,7 @@
 //! The torque terms of friction that the residual asks for.
 
-use crate::run::{identification::Identification, prepared::filtered};
-use thetahat_model::robot::TermDescription;
+use crate::run::{hidden_bias::peak_velocities, identification::Identification, prepared::filtered};
+use thetahat_model::robot::{Robot, TermDescription};
 use thetahat_report::results::{CauseKind, ModelCause};
 
 /// Velocities at which friction fades, over the peak velocity of the joint.
@@ -11,7 +11,9 @@ const FADING: [f64; 4] = [0.05, 0.1, 0.2, 0.4];
 pub(super) fn friction_terms(identification: &Identification, causes: &[ModelCause]) -> Vec<Vec<TermDescription>> {
     let shows = |kind: CauseKind| causes.iter().any(|cause| cause.kind == kind);
     let of_load = vec![TermDescription::LoadFriction { joints: None }];
-    let mut of_speed: Vec<Vec<TermDescription>> = FADING.iter().map(|part| fading(identification, *part)).collect();
+    let robot = identification.setup().robot;
+    let peaks = peak_velocities(&filtered(&identification.main), robot.coordinate_count());
+    let mut of_speed: Vec<Vec<TermDescription>> = FADING.iter().map(|part| fading(robot, &peaks, *part)).collect();
     of_speed.push(vec![TermDescription::PolynomialViscous { joints: None, powers: vec![2] }]);
     let both = of_speed.iter().map(|terms| [&of_load[..], terms].concat());
     match (shows(CauseKind::LoadFriction), shows(CauseKind::SpeedFriction)) {
@@ -23,18 +25,12 @@ pub(super) fn friction_terms(identification: &Identification, causes: &[ModelCau
 }
 
 /// Friction that fades above a part of each joint's peak velocity.
-fn fading(identification: &Identification, part: f64) -> Vec<TermDescription> {
-    let robot = identification.setup().robot;
-    let recordings = filtered(&identification.main);
-    let peak = |joint: usize| {
-        let speeds = recordings.iter().flat_map(|r| (0..r.motion.dq.len()).map(move |k| r.motion.dq.sample(k)[joint]));
-        speeds.fold(0.0, |peak: f64, dq| peak.max(dq.abs()))
-    };
-    let term = |joint: usize| TermDescription::ExponentialStribeck {
+fn fading(robot: &Robot, peaks: &[f64], part: f64) -> Vec<TermDescription> {
+    let term = |(joint, peak): (usize, &f64)| TermDescription::ExponentialStribeck {
         joints: Some(vec![robot.joints[robot.joint_of(joint)].name.clone()]),
-        velocity: part * peak(joint),
+        velocity: part * peak,
         exponent: 2.0,
         profile: false,
     };
-    (0..robot.coordinate_count()).filter(|joint| peak(*joint) > 0.0).map(term).collect()
+    peaks.iter().enumerate().filter(|(_, peak)| **peak > 0.0).map(term).collect()
 }

@@ -12,11 +12,3 @@ pub(super) struct Law<'a> {
     /// In addition to the robot's.
     pub(super) terms: &'a [TermDescription],
 }
-
-impl Law<'_> {
-    pub(super) fn kinds(&self) -> Vec<String> {
-        let mut kinds: Vec<String> = self.terms.iter().map(|term| term.kind().to_owned()).collect();
-        kinds.dedup();
-        kinds
-    }
-}

@@ -56,3 +56,14 @@ fn the_way_from_home_is_covered() {
         "{error}"
     );
 }
+
+/// A wall behind which the arm stands wherever it goes is named before anything is searched.
+#[test]
+fn a_pair_that_no_posture_keeps_apart_is_named() {
+    let design = parse(&with_collision("[250, 0, 0]", "[-2000, 0, 0]")).unwrap();
+    let error = design.run(2, &mut |_| {}).unwrap_err();
+    let DesignError::NeverApart { first, second, furthest_mm, .. } = error else { panic!("{error}") };
+    // The shoulder's capsule reaches at most 300 + 40 mm towards the wall from 2 m behind it, and its nearer end stays there.
+    assert_eq!((first.as_str(), second.as_str()), ("shoulder", "wall"));
+    assert!(furthest_mm < -1700.0, "{furthest_mm}");
+}

@@ -103,6 +103,34 @@ fn files_are_written_and_name_the_robot() {
     }
 }
 
+/// Percentages are of the controller's rated velocities: half of them where these are twice the limits.
+#[test]
+fn percentages_are_of_rated_values() {
+    let percents = |rated: &str| -> Vec<f64> {
+        let (design, folder) = (parse(&(moves("") + rated)).unwrap(), Folder::new());
+        thetahat_report::report::write_design(&design.run(2, &mut |_| {}).unwrap(), folder.path()).unwrap();
+        let text = std::fs::read_to_string(folder.path().join("moves.src")).unwrap();
+        let percent = |line: &str| line.trim().strip_prefix("BAS(#VEL_PTP, ")?.trim_end_matches(')').parse().ok();
+        text.lines().filter_map(percent).skip(1).collect()
+    };
+    let of_limits = percents("[rated]\nvelocity = [250, 350]\n");
+    let of_rated = percents("[rated]\nvelocity = [500, 700]\n");
+    assert!(!of_limits.is_empty() && of_limits.len() == of_rated.len());
+    let is_half = |(whole, half): (&f64, &f64)| (0.5 * whole - half).abs() <= 1.0;
+    assert!(of_limits.iter().zip(&of_rated).all(is_half), "{of_limits:?} {of_rated:?}");
+}
+
+/// What the prediction is of, and what is not checked, is said and written.
+#[test]
+fn a_design_says_what_it_does_not_check() {
+    let results = parse(DESIGN).unwrap().run(2, &mut |_| {}).unwrap();
+    assert!(results.experiment.settings.contains("idim-iv = \"per-joint\""), "{}", results.experiment.settings);
+    let shown = thetahat_report::report::design_text(&results, thetahat_report::report::TextWidth::default());
+    assert!(shown.contains("Not checked: whether the robot touches"), "{shown}");
+    let without: Vec<&str> = results.without_friction.iter().map(String::as_str).collect();
+    assert_eq!(shown.contains("executed torques will be larger"), !without.is_empty(), "{shown}");
+}
+
 #[test]
 fn moves_are_written_for_controllers() {
     let (design, folder) = (parse(&moves("")).unwrap(), Folder::new());

@@ -24,9 +24,9 @@ const NAMED: f64 = -5.0;
 const NAMED_AT_LOW_RATE: f64 = -12.0;
 /// Cut-off over sample rate from which that holds.
 const LOW_RATE: f64 = 0.35;
-/// The same of elastic joints: their columns are second differences of the torque, whose errors the filters leave in step with the
-/// residual. Evidence of -5.4 was seen on a rigid arm; joints of 9 to 25 Hz have -14 to -28.
-const NAMED_ELASTIC: f64 = -8.0;
+/// The same of elastic joints and laws of friction: their columns are second differences and signs of the motion, whose errors the
+/// filters leave in step with the residual. Rigid arms with linear friction have shown -5.4 and -6.2; true causes have -10 and less.
+const NAMED_BY_FILTERED: f64 = -8.0;
 /// log10 of the probability above which a cause no longer shows once another is put in.
 const GONE: f64 = -3.0;
 /// Part of the strongest cause's evidence from which another counts as its rival.
@@ -137,8 +137,17 @@ impl Search<'_> {
     }
 
     fn named_below_of(&self, k: usize) -> f64 {
-        let is_elastic = self.residual.candidates[k].cause.kind == CauseKind::Elasticity;
-        if is_elastic { self.named_below.min(NAMED_ELASTIC) } else { self.named_below }
+        match self.residual.candidates[k].cause.kind {
+            CauseKind::Elasticity | CauseKind::LoadFriction | CauseKind::SpeedFriction | CauseKind::FrictionDrift => {
+                self.named_below.min(NAMED_BY_FILTERED)
+            }
+            CauseKind::LateTorque
+            | CauseKind::EncoderZero
+            | CauseKind::GearRatio
+            | CauseKind::Length
+            | CauseKind::Coupling
+            | CauseKind::Payload => self.named_below,
+        }
     }
 
     /// Whether two causes are different errors.
