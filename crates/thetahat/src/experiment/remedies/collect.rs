@@ -135,7 +135,7 @@ fn of_recording(experiment: &Experiment, recording: &RecordingFindings, is_late:
     }
     found.sort_by_key(|(order, _)| *order);
     let all = found.into_iter().map(|(_, candidate)| candidate).collect();
-    told_apart(up_to_side(all))
+    numbered(up_to_side(all))
 }
 
 /// The candidates without corrections after that of a side.
@@ -148,7 +148,7 @@ fn up_to_side(mut all: Vec<Candidate>) -> Vec<Candidate> {
 }
 
 /// The candidates with a code for each.
-fn told_apart(mut all: Vec<Candidate>) -> Vec<Candidate> {
+fn numbered(mut all: Vec<Candidate>) -> Vec<Candidate> {
     for i in 0..all.len() {
         let same = all[..i].iter().filter(|other| other.code == all[i].code).count();
         if same > 0 {
