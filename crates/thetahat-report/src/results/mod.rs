@@ -30,6 +30,7 @@
 
 mod campaign;
 mod card;
+mod cause;
 mod content;
 mod curves;
 mod design;
@@ -57,6 +58,7 @@ mod verdict;
 
 pub use campaign::{CampaignResults, Extent, MethodSummary, ParameterSummary, PublishedStatement, Quantiles};
 pub use card::{Card, Physical, Unseen};
+pub use cause::{CauseKind, ModelCause, SmallestShown};
 pub use content::{NOMINAL, Results, SCHEMA};
 pub use curves::{Bin, Frame, HeldBackPlots, Plots, RecordStart, ResidualCurves, RunPlots, Skeleton};
 pub use design::{
@@ -77,8 +79,8 @@ pub use limited::Limited;
 #[doc(hidden)]
 pub use model::kinds_of;
 pub use model::{
-    CauseKind, ModelCandidate, ModelCause, ModelError, ModelJointError, ModelParameter, ModelResult,
-    ModelStandardParameter, ModelUse, SmallestShown, UseGrade,
+    ModelCandidate, ModelError, ModelJointError, ModelParameter, ModelResult, ModelStandardParameter, ModelUse,
+    UseGrade,
 };
 pub use parameters::{EliminationResult, ParameterResult};
 pub use payload::{DriveGainResult, PayloadParameter, PayloadResult};

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::model::CauseKind;
+use super::cause::CauseKind;
 use thetahat_estimation::checks::{Code, RemedyStep};
 
 /// A change of the experiment that removes the cause of a finding, for a program to apply.

@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, fmt};
 
 use serde::{Deserialize, Serialize};
 
-use super::model::CauseKind;
+use super::cause::CauseKind;
 use thetahat_estimation::{checks::Code, identification::Method};
 
 /// Whether the results can be used.

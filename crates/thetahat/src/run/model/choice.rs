@@ -15,6 +15,8 @@ use thetahat_report::results::{ModelCandidate, kinds_of};
 
 /// Standard errors of the mean difference by which a challenger must be better.
 const STANDARD_ERRORS: f64 = 2.0;
+/// Part of the squared error that a torque term must take: it adds parameters, and small gains are of what filters leave.
+const GAIN_OF_TERM: f64 = 0.1;
 /// Fewest parts left out with which a challenger can replace the default.
 const FEWEST_FOLDS: usize = 4;
 /// Accuracy of fits that are compared, and of the one that is kept.
@@ -193,8 +195,10 @@ impl Search<'_> {
         for (k, found) in squares.iter().enumerate() {
             let Some(found) = found else { continue };
             let difference = (k > 0).then(|| mean_and_error(found, default));
-            let is_better =
-                difference.is_some_and(|[mean, error]| mean < -STANDARD_ERRORS * error) && parts.len() >= FEWEST_FOLDS;
+            let is_better = difference.is_some_and(|[gain, error]| {
+                gain < -STANDARD_ERRORS * error
+                    && gain <= -self.least_gain(candidates[k], candidates[0]) * mean(default)
+            }) && parts.len() >= FEWEST_FOLDS;
             if is_better && squares[best].as_ref().is_none_or(|b| mean(found) < mean(b)) {
                 best = k;
             }
@@ -202,6 +206,12 @@ impl Search<'_> {
         }
         let described = compared.into_iter().map(|(k, c)| ModelCandidate { taken: k == best, ..c });
         (candidates[best], described.collect())
+    }
+
+    /// Part of the squared error of what is challenged by which a challenger must be better.
+    fn least_gain(&self, challenger: Candidate, challenged: Candidate) -> f64 {
+        let terms = |candidate: Candidate| self.choosing.laws[candidate.law].terms;
+        if terms(challenger) == terms(challenged) { 0.0 } else { GAIN_OF_TERM }
     }
 
     fn described(&self, candidate: Candidate, unseen_square: f64, difference: Option<[f64; 2]>) -> ModelCandidate {

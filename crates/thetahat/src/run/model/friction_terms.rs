@@ -11,17 +11,18 @@ const FADING: [f64; 4] = [0.05, 0.1, 0.2, 0.4];
 pub(super) fn friction_terms(identification: &Identification, causes: &[ModelCause]) -> Vec<Vec<TermDescription>> {
     let shows = |kind: CauseKind| causes.iter().any(|cause| cause.kind == kind);
     let of_load = vec![TermDescription::LoadFriction { joints: None }];
+    if !shows(CauseKind::SpeedFriction) {
+        return if shows(CauseKind::LoadFriction) { vec![of_load] } else { Vec::new() };
+    }
     let robot = identification.setup().robot;
     let peaks = peak_velocities(&filtered(&identification.main), robot.coordinate_count());
     let mut of_speed: Vec<Vec<TermDescription>> = FADING.iter().map(|part| fading(robot, &peaks, *part)).collect();
     of_speed.push(vec![TermDescription::PolynomialViscous { joints: None, powers: vec![2] }]);
-    let both = of_speed.iter().map(|terms| [&of_load[..], terms].concat());
-    match (shows(CauseKind::LoadFriction), shows(CauseKind::SpeedFriction)) {
-        (false, false) => Vec::new(),
-        (true, false) => vec![of_load],
-        (false, true) => of_speed,
-        (true, true) => both.chain([of_load.clone()]).chain(of_speed.clone()).collect(),
+    if !shows(CauseKind::LoadFriction) {
+        return of_speed;
     }
+    let both = of_speed.iter().map(|terms| [&of_load[..], terms].concat());
+    both.chain([of_load.clone()]).chain(of_speed.clone()).collect()
 }
 
 /// Friction that fades above a part of each joint's peak velocity.

@@ -21,6 +21,7 @@ mod whitened;
 
 use super::identification::Identification;
 use crate::preparation::{PreparationError, Problem};
+use causes::FrictionEvidence;
 use choice::{Choice, Choosing, SearchedLaws};
 use folds::ModelFolds;
 use friction_terms::friction_terms;
@@ -60,16 +61,20 @@ impl Identification {
         let Some(choice) = self.choose(&variants, SearchedLaws::default()) else {
             return Ok(Err("the rows determine no physically consistent robot".to_owned()));
         };
-        let mut model = law_of(&variants, choice.law).model(&choice, runs)?;
-        let with_terms = self.with_friction_terms(&model)?;
+        let is_stated = self.setup().settings.model.is_stated();
+        let friction = if is_stated { FrictionEvidence::AfterTerms } else { FrictionEvidence::BeforeTerms };
+        let mut model = law_of(&variants, choice.law).model(&choice, runs, friction)?;
+        let tried = if is_stated { Vec::new() } else { friction_terms(self, &model.causes) };
+        let with_terms = tried.iter().filter_map(|terms| WithTerms::new(self, terms).transpose());
+        let with_terms = with_terms.collect::<Result<Vec<_>, _>>()?;
         for WithTerms { identification, problem, terms } in &with_terms {
             variants.extend(Variant::new(identification, problem, terms, &[model.friction_transition])?.ok());
         }
-        if variants.len() > 1
+        if !tried.is_empty()
             && let Some(choice) = self.choose(&variants, choice.found)
         {
             let described = std::mem::take(&mut model.causes);
-            model = law_of(&variants, choice.law).model(&choice, runs)?;
+            model = law_of(&variants, choice.law).model(&choice, runs, FrictionEvidence::AfterTerms)?;
             add_causes_in_model(&mut model, described);
         }
         model.seconds = stopwatch.seconds();
@@ -82,18 +87,6 @@ impl Identification {
         let weights = self.setup().settings.model.belief_weight.map_or_else(|| WEIGHTS.to_vec(), |stated| vec![stated]);
         let folds = ModelFolds::new(self, laws[0].rows);
         Choosing { laws: &laws, weights: &weights, folds: &folds }.choose(self.threads, found)
-    }
-
-    /// The robot with the torque terms that the residual of a model asks for.
-    fn with_friction_terms(&self, model: &ModelResult) -> Result<Vec<WithTerms>, PreparationError> {
-        let mut all = Vec::new();
-        if self.setup().settings.model.is_stated() {
-            return Ok(all);
-        }
-        for terms in friction_terms(self, &model.causes) {
-            all.extend(WithTerms::new(self, terms)?);
-        }
-        Ok(all)
     }
 
     fn transitions(&self) -> Vec<f64> {

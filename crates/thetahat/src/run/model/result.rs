@@ -1,7 +1,7 @@
 //! The model that was chosen, as it is written.
 
 use super::{
-    causes::{FoundCauses, causes},
+    causes::{FoundCauses, FrictionEvidence, causes},
     choice::Choice,
     errors::{Speeds, errors},
     intervals::{Intervals, widened},
@@ -27,9 +27,14 @@ pub(super) struct ChosenLaw<'v, 'a> {
 
 impl ChosenLaw<'_, '_> {
     /// The model, with its error on the recordings that were held back.
-    pub(super) fn model(&self, choice: &Choice, runs: &[RunResult]) -> Result<ModelResult, PreparationError> {
+    pub(super) fn model(
+        &self,
+        choice: &Choice,
+        runs: &[RunResult],
+        friction: FrictionEvidence,
+    ) -> Result<ModelResult, PreparationError> {
         let held_back = self.error_on_held_back(choice)?;
-        Ok(ModelResult { held_back, ..self.fitted(choice, runs) })
+        Ok(ModelResult { held_back, ..self.fitted(choice, runs, friction) })
     }
 
     fn error_on_held_back(&self, choice: &Choice) -> Result<Option<ModelError>, PreparationError> {
@@ -45,13 +50,14 @@ impl ChosenLaw<'_, '_> {
         Ok(Some(errors(&rows, &prediction, None, &speeds)))
     }
 
-    fn fitted(&self, choice: &Choice, runs: &[RunResult]) -> ModelResult {
+    fn fitted(&self, choice: &Choice, runs: &[RunResult], friction: FrictionEvidence) -> ModelResult {
         let Self { variant: Variant { identification, problem, set, terms, .. }, transition, rows } = *self;
         let theta = problem.base.from_standard(&choice.standard);
         let speeds = Speeds::new(&identification.main, rows, transition);
         let guessed = stated_links(identification.setup().robot);
         let found = (&choice.standard[..], &choice.deviations[..], transition);
-        let FoundCauses { causes, smallest_shown, delay } = causes(identification, problem, rows, &speeds, found);
+        let FoundCauses { causes, smallest_shown, delay } =
+            causes(identification, problem, rows, &speeds, found, friction);
         let knowledge = knowledge_of_base(set, &choice.data, choice.weight, &problem.base).ok();
         // The runs are of the robot without the terms.
         let runs = if terms.is_empty() { runs } else { &[] };

@@ -18,11 +18,11 @@ impl WithTerms {
     /// None if the robot cannot have the terms.
     pub(super) fn new(
         identification: &Identification,
-        terms: Vec<TermDescription>,
+        terms: &[TermDescription],
     ) -> Result<Option<Self>, PreparationError> {
-        let Some(identification) = identification.with_terms(&terms) else { return Ok(None) };
+        let Some(identification) = identification.with_terms(terms) else { return Ok(None) };
         let problem = identification.setup().problem(&Case::nominal(), &filtered(&identification.main))?;
-        Ok(Some(Self { identification, problem, terms }))
+        Ok(Some(Self { identification, problem, terms: terms.to_vec() }))
     }
 }
 

@@ -24,8 +24,8 @@ const NAMED: f64 = -5.0;
 const NAMED_AT_LOW_RATE: f64 = -12.0;
 /// Cut-off over sample rate from which that holds.
 const LOW_RATE: f64 = 0.35;
-/// The same of elastic joints and laws of friction: their columns are second differences and signs of the motion, whose errors the
-/// filters leave in step with the residual. Rigid arms with linear friction have shown -5.4 and -6.2; true causes have -10 and less.
+/// The same of elastic joints, and of laws of friction for which no torque term helps: their columns are second differences and signs of
+/// the motion, whose errors the filters leave in step with the residual. Rigid arms with linear friction have shown -5.4 and -6.2.
 const NAMED_BY_FILTERED: f64 = -8.0;
 /// log10 of the probability above which a cause no longer shows once another is put in.
 const GONE: f64 = -3.0;
@@ -37,6 +37,15 @@ const MOST: usize = 4;
 const LARGEST: f64 = 0.3;
 /// Deviations of a parameter's shift from which a cause has moved it.
 const MOVED: f64 = 1.0;
+
+/// Evidence from which laws of friction are named.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum FrictionEvidence {
+    /// That of all causes: torque terms for them are tried next.
+    BeforeTerms,
+    /// That of columns which the filters blur: no term for them predicts better, or none was tried.
+    AfterTerms,
+}
 
 /// What the residual says.
 #[derive(Default)]
@@ -55,6 +64,7 @@ pub(super) fn causes(
     rows: &ModelRows,
     speeds: &Speeds,
     (standard, deviations, transition): (&[f64], &[f64], f64),
+    friction: FrictionEvidence,
 ) -> FoundCauses {
     let sign = Sign::Smooth { scale: transition };
     let Some(torques) = Torques::new(identification, problem, rows, standard, sign) else {
@@ -70,7 +80,8 @@ pub(super) fn causes(
     };
     let threads = identification.threads;
     let named_below = named_below(identification);
-    let mut search = Search { residual, problem, threads, named_below, put_in: Vec::new(), named: Vec::new() };
+    let mut search =
+        Search { residual, problem, threads, named_below, friction, put_in: Vec::new(), named: Vec::new() };
     let delay = late.zip(of_delay).and_then(|(late, of_delay)| search.put_in_delay(late, &of_delay));
     while search.named.len() < MOST && search.put_in_strongest() {}
     let Search { residual, mut named, put_in, .. } = search;
@@ -87,6 +98,7 @@ struct Search<'a> {
     threads: usize,
     /// log10 of the probability below which a cause is named.
     named_below: f64,
+    friction: FrictionEvidence,
     put_in: Vec<usize>,
     named: Vec<ModelCause>,
 }
@@ -137,17 +149,17 @@ impl Search<'_> {
     }
 
     fn named_below_of(&self, k: usize) -> f64 {
-        match self.residual.candidates[k].cause.kind {
-            CauseKind::Elasticity | CauseKind::LoadFriction | CauseKind::SpeedFriction | CauseKind::FrictionDrift => {
-                self.named_below.min(NAMED_BY_FILTERED)
-            }
+        let is_by_filtered = match self.residual.candidates[k].cause.kind {
+            CauseKind::Elasticity | CauseKind::FrictionDrift => true,
+            CauseKind::LoadFriction | CauseKind::SpeedFriction => self.friction == FrictionEvidence::AfterTerms,
             CauseKind::LateTorque
             | CauseKind::EncoderZero
             | CauseKind::GearRatio
             | CauseKind::Length
             | CauseKind::Coupling
-            | CauseKind::Payload => self.named_below,
-        }
+            | CauseKind::Payload => false,
+        };
+        if is_by_filtered { self.named_below.min(NAMED_BY_FILTERED) } else { self.named_below }
     }
 
     /// Whether two causes are different errors.

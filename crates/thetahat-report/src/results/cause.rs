@@ -1,0 +1,158 @@
+//! Errors of the robot or of the recordings that the residual of the model shows.
+
+use serde::{Deserialize, Serialize};
+
+use super::diagnosis::MovedParameter;
+use thetahat_ground::number::significant;
+
+/// Something that the model is wrong in, or that the recordings are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CauseKind {
+    /// The torques are recorded late, or early if the delay is negative.
+    LateTorque,
+    /// The positions of a joint are turned or moved.
+    EncoderZero,
+    /// The positions of a joint are too large by a ratio, and its torques too small.
+    GearRatio,
+    /// A joint yields between its encoder and its link.
+    Elasticity,
+    /// A joint is not where the description has it.
+    Length,
+    /// A motor turns with two joints.
+    Coupling,
+    /// Coulomb friction grows with the load.
+    LoadFriction,
+    /// Friction has another law over the speed.
+    SpeedFriction,
+    /// Friction changes with time.
+    FrictionDrift,
+    /// The last link is another body from some instant on.
+    Payload,
+}
+
+impl CauseKind {
+    /// All kinds.
+    pub const ALL: [Self; 10] = [
+        Self::LateTorque,
+        Self::EncoderZero,
+        Self::GearRatio,
+        Self::Elasticity,
+        Self::Length,
+        Self::Coupling,
+        Self::LoadFriction,
+        Self::SpeedFriction,
+        Self::FrictionDrift,
+        Self::Payload,
+    ];
+
+    /// What it is, in words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::LateTorque => "torques that are late",
+            Self::EncoderZero => "a wrong encoder zero",
+            Self::GearRatio => "a wrong gear ratio",
+            Self::Elasticity => "an elastic joint",
+            Self::Length => "a wrong length",
+            Self::Coupling => "a coupling of motors",
+            Self::LoadFriction => "friction that depends on the load",
+            Self::SpeedFriction => "friction with another law over the speed",
+            Self::FrictionDrift => "friction that changes with time",
+            Self::Payload => "a payload that is picked up or put down",
+        }
+    }
+
+    /// The same with the joint, link or instant.
+    #[must_use]
+    pub fn with_subject(self, subject: &str) -> String {
+        match self {
+            _ if subject.is_empty() => self.words().to_owned(),
+            Self::Payload => format!("{} {subject}", self.words()),
+            Self::LateTorque
+            | Self::EncoderZero
+            | Self::GearRatio
+            | Self::Elasticity
+            | Self::Length
+            | Self::Coupling
+            | Self::LoadFriction
+            | Self::SpeedFriction
+            | Self::FrictionDrift => format!("{} of {subject}", self.words()),
+        }
+    }
+}
+
+/// A cause that the residual shows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModelCause {
+    /// What it is.
+    pub kind: CauseKind,
+    /// Joint, link or instant; empty where it concerns all.
+    pub subject: String,
+    /// log10 of the probability of so much evidence by chance.
+    pub log10_probability: f64,
+    /// Its size, of a cause that is one number.
+    pub size: Option<f64>,
+    /// Standard deviation of the size.
+    pub standard_deviation: Option<f64>,
+    /// Unit of the size; empty for a ratio.
+    pub unit: String,
+    /// What it explains, percent of the torques where the joints weigh alike.
+    pub error_percent: f64,
+    /// Other causes that explain the same: the recordings do not separate them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rivals: Vec<String>,
+    /// Base parameters that it moves by more than their standard deviation, the furthest first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub moved: Vec<MovedParameter>,
+    /// Whether the model has a torque term for it: the description is wrong in it, the model is not.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub in_model: bool,
+}
+
+impl ModelCause {
+    /// Its size with its deviation and unit: 0.46 ± 0.05 ms, 2.1 ± 0.3 %.
+    #[must_use]
+    pub fn size_in_words(&self) -> Option<String> {
+        let (size, deviation) = (self.size?, self.standard_deviation?);
+        let (factor, unit) = shown_in(self.kind, &self.unit);
+        Some(format!("{} ± {} {unit}", significant(factor * size, 3), significant(factor * deviation, 2)))
+    }
+}
+
+/// The smallest error of a kind that the recordings would show.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SmallestShown {
+    /// What it is.
+    pub kind: CauseKind,
+    /// Joint or link.
+    pub subject: String,
+    /// The size that is named in one of two such recordings, if it is the only error.
+    pub size: f64,
+    /// The same if others of this kind may be wrong too; left out where they can hide any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size_with_others: Option<f64>,
+    /// Unit of the size; empty for a ratio.
+    pub unit: String,
+}
+
+impl SmallestShown {
+    /// It with its unit: "a wrong gear ratio of joint 2: 0.8 % alone, 5.1 % with others".
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let (factor, unit) = shown_in(self.kind, &self.unit);
+        let shown = |size: f64| format!("{} {unit}", significant(factor * size, 2));
+        let with_others = self.size_with_others.map_or_else(|| "any size".to_owned(), shown);
+        format!("{}: {} alone, {with_others} with others", self.kind.with_subject(&self.subject), shown(self.size))
+    }
+}
+
+/// Factor and unit in which a size is written.
+fn shown_in(kind: CauseKind, unit: &str) -> (f64, &str) {
+    match (kind, unit) {
+        (CauseKind::LateTorque, _) => (1e3, "ms"),
+        (CauseKind::GearRatio, _) => (100.0, "%"),
+        (CauseKind::Length, _) | (CauseKind::EncoderZero, "m") => (1e3, "mm"),
+        (_, unit) => (1.0, unit),
+    }
+}
