@@ -101,7 +101,7 @@ impl OrthogonalFit {
         total - (0..self.rank).map(|c| along(c).powi(2)).sum::<f64>()
     }
 
-    /// Mean squared error, relative to the torques' variances, on every other stretch of time with the parameters of the
+    /// Mean squared error of rows with a weight, relative to the torques' variances, on every other stretch of time with the parameters of the
     /// remaining stretches. `None` if these do not separate the parameters.
     pub(in crate::checks) fn held_out_squares(&self) -> Option<f64> {
         let rows = self.regression.layout.block(0, 0).len();
@@ -115,9 +115,10 @@ impl OrthogonalFit {
             let separates = qr.rank(RANK_TOLERANCE) == self.x.columns();
             separates.then(|| part(false).map(|i| error(i).powi(2)).sum::<f64>())
         };
-        let enough = self.y.len() / 2 > self.x.columns() && rows > STRETCHES;
+        let used = self.regression.weights().into_iter().flatten().filter(|w| **w > 0.0).count();
+        let enough = used / 2 > self.x.columns() && rows > STRETCHES;
         let both = enough.then(|| Some(squares(&is_even)? + squares(&|i| !is_even(i))?)).flatten()?;
-        Some(both / self.y.len() as f64)
+        Some(both / used as f64)
     }
 
     /// Variance of the weighted residual.

@@ -35,6 +35,10 @@ const ENOUGH_ROWS: usize = 2_000;
 /// Most work of one factorisation, rows times squared columns: beyond it only every n-th row is used.
 const MOST_WORK: f64 = 2e7;
 
+/// Speed, part of the coordinate's largest, up to which it is near rest.
+const NEAR_REST: f64 = 0.02;
+/// Rows over which the filter of the rows spreads what happens within one.
+const MEMORY_ROWS: usize = 4;
 /// Fewest rows of a coordinate for meaningful statistics.
 const FEWEST_ROWS: usize = 40;
 /// Relative size of the last diagonal entries of R below which columns made of a motion are linearly dependent.
@@ -216,6 +220,11 @@ impl<'a> ThinnedRecording<'a> {
         Ok(OrthogonalFit::without(&regression.with_matrix(all), left_out))
     }
 
+    /// The fit without rows near rest.
+    pub(in crate::checks) fn fit_of_motion(&self) -> Result<OrthogonalFit, SignalError> {
+        Ok(OrthogonalFit::without(&self.regression()?, &self.rows_near_rest()))
+    }
+
     /// The rows of the recording as corrected so far, without weights.
     pub(in crate::checks) fn regression(&self) -> Result<Regression, SignalError> {
         self.regression_of(self.subject.model, &self.base.columns())
@@ -231,6 +240,19 @@ impl<'a> ThinnedRecording<'a> {
         let x = if self.every == 1 { x } else { x.select_rows(&used) };
         let layout = RowLayout::new(self.coordinates(), &[self.rows()]);
         Ok(Regression::new(x, self.stack(&self.torque), layout))
+    }
+
+    /// The rows whose own coordinate is near rest, or is so within the memory of the rows' filter: its friction has no sign there.
+    fn rows_near_rest(&self) -> Vec<bool> {
+        let memory = MEMORY_ROWS * self.steps_per_row();
+        let near_rest = |j: usize| {
+            let speeds: Vec<f64> = self.motion.dq.channel(j).into_iter().map(f64::abs).collect();
+            let limit = NEAR_REST * speeds.iter().copied().fold(0.0, f64::max);
+            let last = speeds.len();
+            let around = move |k: usize| k.saturating_sub(memory)..(k + memory + 1).min(last);
+            self.kept.iter().map(move |&k| speeds[around(k)].iter().any(|speed| *speed <= limit))
+        };
+        (0..self.coordinates()).flat_map(near_rest).collect()
     }
 
     /// Whether the motion separates all parameters.

@@ -1,4 +1,4 @@
-//! Quantisation and noise of the positions, after the filter.
+//! Quantisation and noise of the positions in the rows: after the filter and the decimation.
 
 use crate::{
     checks::{
@@ -8,19 +8,19 @@ use crate::{
         signals::Signals,
         subject::Subject,
     },
-    signal::{Derivative, band_pass},
+    signal::{Decimator, Derivative, SignalError, band_pass},
 };
-use thetahat_ground::series::Series;
+use thetahat_ground::{linear_algebra::norm, series::Series};
 
-/// Noise of the acceleration by the position's steps, percent of the acceleration's rms. The clean recordings have at most
+/// Noise of the rows' acceleration by the position's steps, percent of the acceleration's rms. The clean recordings have at most
 /// 0.3.
 const STEP_LIMIT_PERCENT: f64 = 5.0;
-/// Noise of the acceleration by white noise of the position, percent of the acceleration's rms. The clean recordings have at
+/// Noise of the rows' acceleration by white noise of the position, percent of the acceleration's rms. The clean recordings have at
 /// most 0.4.
 const NOISE_LIMIT_PERCENT: f64 = 10.0;
 /// A sensible cut-off, relative to the band of the decimated rows: 5 times the dynamics' bandwidth if the rows keep twice it.
 const BANDS: f64 = 2.5;
-/// Periods of the cut-off over which the filter's impulse response is summed.
+/// Periods of the cut-off, and rows, over which the filters' impulse response is summed.
 const PERIODS: f64 = 20.0;
 
 pub(in crate::checks) fn check(exam: &mut Examination<'_>, signals: &Signals) {
@@ -29,9 +29,11 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     // Steps are coarse if they are so with a sensible filter; otherwise the filter is at fault.
     let sensible = BANDS * 0.4 * exam.subject.sample_rate_hz / signal.decimation as f64;
     let gains = (noise_gain(exam.subject, cutoff.min(sensible)), noise_gain(exam.subject, cutoff));
-    let (Some(step_gain), Some(white_noise_gain)) = gains else { return };
+    let (Ok(step_gain), Ok(white_noise_gain)) = gains else { return };
+    let rows = Decimator::new(signal.decimation, signals.ddq.len()).and_then(|d| d.decimate(&signals.ddq));
+    let Ok(accelerations) = rows else { return };
     for j in (0..signals.coordinates()).filter(|&j| signals.moves(j)) {
-        let acceleration = rms(&signals.ddq.channel(j));
+        let acceleration = rms(&accelerations.channel(j));
         if !quantisation(exam, signals, j, step_gain / acceleration) {
             noise(exam, signals, j, white_noise_gain / acceleration);
         }
@@ -52,7 +54,7 @@ fn quantisation(exam: &mut Examination<'_>, signals: &Signals, j: usize, relativ
     exam.judge(evidence, Severity::Warning, || {
         FindingText::new(
             format!(
-                "joint {number}: the position has steps of {step:.3e} rad or m; after the filter they make {value:.1} % noise \
+                "joint {number}: the position has steps of {step:.3e} rad or m; after the filters they make {value:.1} % noise \
                  in the acceleration"
             ),
             format!("record the encoder's own counts, or lower the cut-off of {cutoff} Hz"),
@@ -73,20 +75,23 @@ fn noise(exam: &mut Examination<'_>, signals: &Signals, j: usize, relative_gain:
     exam.judge(evidence, Severity::Warning, || {
         FindingText::new(
             format!(
-                "joint {number}: after the filter at {cutoff} Hz, {value:.0} % of the acceleration is noise of the position"
+                "joint {number}: after the filter at {cutoff} Hz and the decimation, {value:.0} % of the acceleration is noise of \
+                 the position"
             ),
             "lower [signal] cutoff_hz to about five times the motion's bandwidth",
         )
     });
 }
 
-/// Rms acceleration after the filter per standard deviation of white noise of the position.
-fn noise_gain(subject: &Subject<'_>, cutoff_hz: f64) -> Option<f64> {
-    let half = (PERIODS * subject.sample_rate_hz / cutoff_hz).ceil() as usize + 50;
+/// Rms acceleration of the rows for each standard deviation of white noise of the position.
+///
+/// The parallel filter leaves nothing above half the rows' frequency, so that the rows hold the energy of all samples, divided by the factor.
+fn noise_gain(subject: &Subject<'_>, cutoff_hz: f64) -> Result<f64, SignalError> {
+    let (rate, factor) = (subject.sample_rate_hz, subject.signal.decimation);
+    let half = (PERIODS * (rate / cutoff_hz).max(factor as f64)).ceil() as usize + 50;
     let mut impulse = Series::zeros(2 * half + 1, 1);
     impulse.values_mut()[half] = 1.0;
-    let motion =
-        band_pass(&impulse, subject.sample_rate_hz, subject.signal.filter_order, cutoff_hz, Derivative::Central)
-            .ok()?;
-    Some(thetahat_ground::linear_algebra::norm(motion.ddq.values()))
+    let motion = band_pass(&impulse, rate, subject.signal.filter_order, cutoff_hz, Derivative::Central)?;
+    let rows = Decimator::new(factor, motion.ddq.len())?.decimate(&motion.ddq)?;
+    Ok((factor as f64).sqrt() * norm(rows.values()))
 }
