@@ -6,7 +6,7 @@ use std::{
 };
 
 use thetahat::{
-    experiment::{Driver, DriverError, Proposal, ProposalFiles, ProposalRequest, propose},
+    experiment::{Driver, DriverError, Proposal, ProposalFiles, ProposalRequest, propose_for_motion},
     recording::{Contents, RecordingError, inspect_with_time},
     robot::RobotSource,
 };
@@ -87,7 +87,7 @@ fn options_for(files: &ProposalFiles) -> String {
 fn proposal(files: &ProposalFiles, columns: &Columns, contents: &[Contents]) -> Result<Proposal, Box<dyn Error>> {
     let request = files.name_in(request(columns)?);
     let source = RobotSource::read(&files.robot)?;
-    let proposal = propose(&request, &source, contents)?;
+    let proposal = propose_for_motion(&request, &source, contents)?;
     let _progress = Progress::of("choosing the filter on a simulated twin of the recording");
     Ok(proposal.with_chosen_filter(source.to_text(), &files.data_folder(), threads(None))?)
 }

@@ -6,7 +6,7 @@ use std::{
 use serde::Serialize;
 use thetahat::{
     Experiment, Results,
-    experiment::{EstimateRequest, propose},
+    experiment::{EstimateRequest, propose_for_motion},
     export::{ExportFormat, IdentifiedModel},
     recording::{Contents, inspect_with_time},
     report::Published,
@@ -119,7 +119,7 @@ impl Session {
             .map(|file| inspect_with_time(file, request.time.as_deref()))
             .collect::<Result<_, _>>()?;
         let source = RobotSource::read(&files.robot)?;
-        let proposal = propose(&request.proposal(&files), &source, &contents)?;
+        let proposal = propose_for_motion(&request.proposal(&files), &source, &contents)?;
         progress("choosing the filter on a simulated twin of the recording");
         Ok(proposal.with_chosen_filter(source.to_text(), &files.data_folder(), self.threads)?.text())
     }

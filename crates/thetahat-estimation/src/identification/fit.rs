@@ -177,6 +177,13 @@ pub(super) fn full_rank(a: &Matrix) -> Result<PivotedQr, EstimationError> {
     require_full_rank(PivotedQr::with_equal_columns(a), a.columns())
 }
 
+/// The columns that are independent, and those that depend on them, in the order of their pivots.
+pub(super) fn independent_columns(a: &Matrix) -> (Vec<usize>, Vec<usize>) {
+    let qr = PivotedQr::with_equal_columns(a);
+    let (kept, dependent) = qr.pivots().split_at(qr.rank(RANK_TOLERANCE));
+    (kept.to_vec(), dependent.to_vec())
+}
+
 /// Checks that factors computed elsewhere have full rank.
 ///
 /// # Errors

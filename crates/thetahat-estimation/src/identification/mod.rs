@@ -36,6 +36,7 @@ mod linearised;
 mod outcome;
 mod prediction_error;
 mod row_mask;
+mod separated;
 mod steps;
 mod stretches;
 mod uncertainty;
@@ -53,6 +54,8 @@ pub use prediction_error::{PredictionErrorEstimation, SimulationRequest};
 pub use row_mask::{NearRest, RowMask};
 #[doc(hidden)]
 pub use row_mask::{hardly_moves, share_of_row};
+#[doc(hidden)]
+pub use separated::{DependentColumn, SeparatedColumns};
 #[doc(hidden)]
 pub use stretches::uncertainty_of_stretches;
 pub use uncertainty::{Uncertainty, uncertainty};

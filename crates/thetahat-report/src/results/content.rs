@@ -7,7 +7,7 @@ use super::{
     diagnosis::{Advice, CaseDiagnosis},
     joints::JointResult,
     model::ModelResult,
-    parameters::EliminationResult,
+    parameters::{EliminationResult, NotSeparated},
     payload::{DriveGainResult, PayloadResult},
     recordings::{Bandwidth, RecordingFindings, RecordingResult, UnmaskedComparison},
     remedy::Remedy,
@@ -79,6 +79,9 @@ pub struct Results {
     pub fixed_parameters: BTreeMap<String, f64>,
     /// The elimination, if essential parameters were requested.
     pub elimination: Option<EliminationResult>,
+    /// Base parameters that the motion does not separate from others: the runs leave them out.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub not_separated: Vec<NotSeparated>,
     /// How samples near rest would change the estimates, if they were left out.
     #[serde(default, alias = "with_rest")]
     pub unmasked_comparison: Option<UnmaskedComparison>,

@@ -82,6 +82,8 @@ pub use model::{
     ModelCandidate, ModelError, ModelJointError, ModelParameter, ModelResult, ModelStandardParameter, ModelUse,
     UseGrade,
 };
+#[doc(hidden)]
+pub use parameters::NotSeparated;
 pub use parameters::{EliminationResult, ParameterResult};
 pub use payload::{DriveGainResult, PayloadParameter, PayloadResult};
 pub use physical::{ConsistencyTest, ConsistentEstimate, ConsistentParameter, PhysicalResult};

@@ -29,6 +29,15 @@ pub struct ParameterResult {
     pub interval_95: Option<[f64; 2]>,
 }
 
+/// A base parameter that the motion does not separate from others.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NotSeparated {
+    /// Its name.
+    pub parameter: String,
+    /// Parameters whose estimates include a part of it, the largest part first, and have no intervals for that; empty if it has no effect.
+    pub with: Vec<String>,
+}
+
 /// The result of an elimination.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct EliminationResult {

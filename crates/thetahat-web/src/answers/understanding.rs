@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 use thetahat::{
     Experiment, Recording, Robot,
-    experiment::{Proposal, propose},
+    experiment::{Proposal, propose_for_motion},
     recording::{Contents, inspect_with_time},
     results::RecordingFindings,
     robot::{RobotError, RobotSource, RobotSummary},
@@ -101,7 +101,7 @@ impl Understanding {
     ) -> Outcome<()> {
         let readable = request.without(self.recording_errors.iter().map(|error| Path::new(&error.path)));
         let files = readable.files(folder);
-        let proposal = propose(&readable.proposal(&files), source, contents)?;
+        let proposal = propose_for_motion(&readable.proposal(&files), source, contents)?;
         let to_fill_in = proposal.to_fill_in();
         if !to_fill_in.is_empty() {
             self.unfinished = Some(proposal.text());

@@ -51,6 +51,8 @@ pub use proposal::{
     Proposal, ProposalError, ProposalFiles, ProposalRequest, ProposedChannels, ProposedSignal, propose,
 };
 #[doc(hidden)]
-pub use proposal::{ProposedClock, ProposedControl, ProposedDriver, ProposedLock, ProposedRecording};
+pub use proposal::{
+    ProposedClock, ProposedControl, ProposedDriver, ProposedLock, ProposedRecording, propose_for_motion,
+};
 #[doc(hidden)]
 pub use twin::{TwinMotion, TwinReference};

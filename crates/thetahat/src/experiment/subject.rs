@@ -97,13 +97,14 @@ pub(super) fn require_same_parameters(
     }
     let estimated = |name: &str| run.parameter(name).is_some();
     let eliminated = |name: &str| results.elimination.as_ref().is_some_and(|e| e.eliminated.iter().any(|n| n == name));
+    let not_separated = |name: &str| results.not_separated.iter().any(|left_out| left_out.parameter == name);
     let wanted: Vec<&str> = match choice {
         ParameterChoice::List(names) => names.iter().map(String::as_str).collect(),
         ParameterChoice::Base | ParameterChoice::Named(_) => {
             base.parameters().iter().map(|p| p.name.as_str()).collect()
         }
     };
-    match wanted.into_iter().find(|name| !estimated(name) && !eliminated(name)) {
+    match wanted.into_iter().find(|name| !estimated(name) && !eliminated(name) && !not_separated(name)) {
         None => Ok(()),
         Some(name) => Err(refuse(format!("{name} is missing"))),
     }

@@ -10,7 +10,9 @@ use super::{
     simulable::Simulable,
 };
 use thetahat_estimation::{
-    identification::{Assembly, Elimination, Fit, RowMask, eliminate, idim_ls, nested_f_test},
+    identification::{
+        Assembly, DependentColumn, Elimination, Fit, RowMask, SeparatedColumns, eliminate, idim_ls, nested_f_test,
+    },
     regression::{Regression, RowLayout},
     signal::{Decimator, SignalError},
     statistics::FTest,
@@ -30,6 +32,8 @@ pub(crate) struct Problem {
     /// Those that are estimated.
     pub(crate) estimated: BaseParameters,
     pub(crate) elimination: Option<Elimination>,
+    /// The columns of the base that the motion does not separate from others, which are left out.
+    pub(crate) dependent: Vec<DependentColumn>,
     /// The parallel filter of each recording.
     pub(crate) decimators: Vec<Decimator>,
     /// The samples of each recording that make no rows because a joint is near rest; none if all make rows.
@@ -48,6 +52,7 @@ struct SelectedParameters {
     /// Their columns among those of the base.
     columns: Vec<usize>,
     elimination: Option<Elimination>,
+    dependent: Vec<DependentColumn>,
 }
 
 impl Setup<'_> {
@@ -99,11 +104,23 @@ impl Setup<'_> {
         all: Regression,
         choice: &ParameterChoice,
     ) -> Result<Problem, PreparationError> {
-        let SelectedParameters { estimated, columns, elimination } = self.choose(choice, (&model, &base), &all)?;
+        let SelectedParameters { estimated, columns, elimination, dependent } =
+            self.choose(choice, (&model, &base), &all)?;
         let (regression, full) =
             if columns.len() == base.len() { (all, None) } else { (all.with_columns(&columns), Some(all)) };
         let (decimators, masks, consistent_set) = (Vec::new(), Vec::new(), OnceLock::new());
-        Ok(Problem { model, base, estimated, elimination, decimators, masks, regression, full, consistent_set })
+        Ok(Problem {
+            model,
+            base,
+            estimated,
+            elimination,
+            dependent,
+            decimators,
+            masks,
+            regression,
+            full,
+            consistent_set,
+        })
     }
 
     /// The parameters of a base that are estimated, where no recording has to choose them.
@@ -132,7 +149,8 @@ impl Setup<'_> {
         PreparationError::require(rows > parameters, "[signal] decimation", &expected, decimation)
     }
 
-    /// Chooses parameters from the regression of all base parameters.
+    /// Chooses parameters from the regression of all base parameters. What the motion does not separate from others is left out, unless
+    /// the parameters are listed.
     fn choose(
         &self,
         choice: &ParameterChoice,
@@ -140,27 +158,34 @@ impl Setup<'_> {
         all: &Regression,
     ) -> Result<SelectedParameters, PreparationError> {
         base.select(model.parameter_table(), &self.settings.parameters.show)?;
-        let elimination = match choice {
-            ParameterChoice::Base
-            | ParameterChoice::List(_)
-            | ParameterChoice::Named(NamedChoice::Base | NamedChoice::Drives) => None,
-            // A set that cannot be estimated as a whole has nothing to start an elimination from; its runs say why.
-            ParameterChoice::Named(NamedChoice::Essential) => {
-                let rule = self.settings.parameters.elimination;
-                let simulable = Simulable::new(self.robot, (model, base), all);
-                eliminate(all, rule, &|kept, theta| simulable.is_possible(kept, theta)).ok()
-            }
-        };
         let name = |i: usize| base.parameters()[i].name.clone();
-        let names: Vec<String> = match (choice, &elimination) {
-            (ParameterChoice::List(names), _) => names.clone(),
-            (_, Some(elimination)) => elimination.kept.iter().map(|&i| name(i)).collect(),
-            (ParameterChoice::Base | ParameterChoice::Named(_), None) => (0..base.len()).map(name).collect(),
+        let (names, elimination, dependent): (Vec<String>, _, _) = match choice {
+            ParameterChoice::List(names) => (names.clone(), None, Vec::new()),
+            ParameterChoice::Base | ParameterChoice::Named(NamedChoice::Base | NamedChoice::Drives) => {
+                let SeparatedColumns { kept, dependent } = SeparatedColumns::of(&all.x);
+                (kept.into_iter().map(name).collect(), None, dependent)
+            }
+            ParameterChoice::Named(NamedChoice::Essential) => {
+                let SeparatedColumns { kept, dependent } = SeparatedColumns::of(&all.x);
+                let elimination = self.essential((model, base), all, &kept);
+                let kept = elimination.as_ref().map_or(kept, |elimination| elimination.kept.clone());
+                (kept.into_iter().map(name).collect(), elimination, dependent)
+            }
         };
         let estimated = base.select(model.parameter_table(), &names)?;
         let column = |p: &BaseParameter| base.columns().iter().position(|&c| c == p.kept);
         let columns = estimated.parameters().iter().filter_map(column).collect();
-        Ok(SelectedParameters { estimated, columns, elimination })
+        Ok(SelectedParameters { estimated, columns, elimination, dependent })
+    }
+
+    /// The elimination among some columns of the base; none where even these cannot be estimated, and the runs say why.
+    fn essential(&self, of: (&Model, &BaseParameters), all: &Regression, separated: &[usize]) -> Option<Elimination> {
+        let rule = self.settings.parameters.elimination;
+        let simulable = Simulable::new(self.robot, of, all, separated);
+        let in_base = |columns: &[usize]| columns.iter().map(|&c| separated[c]).collect::<Vec<_>>();
+        let is_possible = |kept: &[usize], theta: &[f64]| simulable.is_possible(&in_base(kept), theta);
+        let found = eliminate(&all.with_columns(separated), rule, &is_possible).ok()?;
+        Some(Elimination { kept: in_base(&found.kept), eliminated: in_base(&found.eliminated), ..found })
     }
 }
 
@@ -168,6 +193,12 @@ impl Problem {
     /// The rows with X of all base parameters.
     pub(crate) fn all_columns(&self) -> &Regression {
         self.full.as_ref().unwrap_or(&self.regression)
+    }
+
+    /// Whether the estimate of a base parameter includes a part of one that the motion does not separate from it.
+    pub(crate) fn includes_another(&self, name: &str) -> bool {
+        let mut including = self.dependent.iter().flat_map(|dependent| &dependent.spanned_by);
+        including.any(|&column| self.base.parameters()[column].name == name)
     }
 
     /// The columns of the estimated parameters among those of the base.

@@ -22,14 +22,21 @@ const REACH_M: f64 = 0.5;
 pub(crate) struct Simulable<'a> {
     model: &'a Model,
     base: &'a BaseParameters,
+    /// The columns of the base that the motion separates.
+    separated: &'a [usize],
     configurations: Vec<Vec<f64>>,
-    /// Whether the estimate of all base parameters has a positive definite mass matrix.
+    /// Whether the estimate of all of them has a positive definite mass matrix.
     whole_is_definite: bool,
 }
 
 impl<'a> Simulable<'a> {
-    /// What the rows of all base parameters say.
-    pub(crate) fn new(robot: &Robot, (model, base): (&'a Model, &'a BaseParameters), all: &Regression) -> Self {
+    /// What the rows of the base parameters that the motion separates say.
+    pub(crate) fn new(
+        robot: &Robot,
+        (model, base): (&'a Model, &'a BaseParameters),
+        all: &Regression,
+        separated: &'a [usize],
+    ) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(SEED);
         let reach = |j: &Joint| match j.kind {
             JointKind::Revolute => PI,
@@ -37,10 +44,9 @@ impl<'a> Simulable<'a> {
         };
         let mut draw = || robot.coordinates().map(|j| rng.random_range(-1.0..1.0) * reach(j)).collect();
         let configurations = (0..CONFIGURATIONS).map(|_| draw()).collect();
-        let mut simulable = Self { model, base, configurations, whole_is_definite: false };
-        let whole: Vec<usize> = (0..base.len()).collect();
-        let estimate = idim_ls(all, Default::default()).ok();
-        simulable.whole_is_definite = estimate.is_some_and(|fit| simulable.is_definite(&whole, &fit.theta));
+        let mut simulable = Self { model, base, separated, configurations, whole_is_definite: false };
+        let estimate = idim_ls(&all.with_columns(separated), Default::default()).ok();
+        simulable.whole_is_definite = estimate.is_some_and(|fit| simulable.is_definite(separated, &fit.theta));
         simulable
     }
 
@@ -52,7 +58,7 @@ impl<'a> Simulable<'a> {
     fn has_motor_inertias(&self, kept: &[usize]) -> bool {
         let table = self.model.parameter_table();
         let is_inertia = |c: &usize| table.get(self.base.parameters()[*c].kept).quantity.is_motor_inertia();
-        (0..self.base.len()).filter(is_inertia).all(|c| kept.contains(&c))
+        self.separated.iter().filter(|c| is_inertia(c)).all(|c| kept.contains(c))
     }
 
     fn is_definite(&self, kept: &[usize], theta: &[f64]) -> bool {

@@ -8,7 +8,7 @@ use super::{
     estimation_data::EstimationData,
     identification::{Identification, explain},
     linear::Linear,
-    parameters::{covariance_of, loop_parameter_results, parameter_results},
+    parameters::{covariance_of, loop_parameter_results, parameter_results, without_deviations_of_sums},
     physical::Examined,
     prepared::filtered,
     validation::{
@@ -163,7 +163,8 @@ impl Assessment<'_> {
         let uncertainty = self.uncertainty(outcome, fit).ok();
         let truth = self.data.truth_of(problem);
         let settings = self.data.setup().settings;
-        parameter_results(settings, &problem.estimated, fit, uncertainty.as_ref(), truth.as_deref())
+        let all = parameter_results(settings, &problem.estimated, fit, uncertainty.as_ref(), truth.as_deref());
+        without_deviations_of_sums(problem, all)
     }
 
     fn loop_parameters(&self, fit: &Fit, outcome: &Outcome) -> Vec<LoopParameterResult> {

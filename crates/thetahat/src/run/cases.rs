@@ -8,7 +8,7 @@ use super::{
     estimation_data::EstimationData,
     examination::{ExaminationModel, compare, examine, examine_robot, with_filter_explained, with_note},
     identification::{CaseProblem, Identification},
-    parameters::elimination_result,
+    parameters::{elimination_result, not_separated},
     prepared::{PreparedRecording, filtered},
     validation::uncertain,
 };
@@ -229,6 +229,7 @@ impl Identification {
             excluded_parameters: self.setup().settings.parameters.exclude.clone(),
             fixed_parameters: self.setup().settings.parameters.fix.clone(),
             elimination: elimination_result(problem),
+            not_separated: not_separated(problem),
             unmasked_comparison: self.unmasked_comparison(problem, &runs)?,
             profiled_terms: self.profiled.clone(),
             term_comparison: None,

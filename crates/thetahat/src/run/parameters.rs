@@ -1,7 +1,7 @@
 use crate::preparation::{LoopParameters, Problem, Settings};
-use thetahat_estimation::identification::{Fit, Uncertainty};
+use thetahat_estimation::identification::{DependentColumn, Fit, Uncertainty};
 use thetahat_model::base_parameters::{BaseParameter, BaseParameters};
-use thetahat_report::results::{EliminationResult, LoopParameterResult, ParameterResult};
+use thetahat_report::results::{EliminationResult, LoopParameterResult, NotSeparated, ParameterResult};
 
 /// The elimination of a problem with the names of its parameters, where essential ones were sought.
 pub(super) fn elimination_result(problem: &Problem) -> Option<EliminationResult> {
@@ -11,6 +11,31 @@ pub(super) fn elimination_result(problem: &Problem) -> Option<EliminationResult>
         eliminated: names(&elimination.eliminated),
         f_test: elimination.f_test,
     })
+}
+
+/// The parameters that the motion does not separate from others, which are left out.
+pub(super) fn not_separated(problem: &Problem) -> Vec<NotSeparated> {
+    let name = |column: usize| problem.base.parameters()[column].name.clone();
+    let of = |dependent: &DependentColumn| NotSeparated {
+        parameter: name(dependent.column),
+        with: dependent.spanned_by.iter().map(|&column| name(column)).collect(),
+    };
+    problem.dependent.iter().map(of).collect()
+}
+
+/// The estimates without deviations where they include another parameter: they are sums.
+pub(super) fn without_deviations_of_sums(problem: &Problem, parameters: Vec<ParameterResult>) -> Vec<ParameterResult> {
+    let shown = |p: ParameterResult| match problem.includes_another(&p.name) {
+        false => p,
+        true => ParameterResult {
+            standard_deviation: None,
+            relative_standard_deviation_percent: None,
+            standard_deviation_robust: None,
+            interval_95: None,
+            ..p
+        },
+    };
+    parameters.into_iter().map(shown).collect()
 }
 
 /// The estimates of a run with their deviations, intervals and true values.

@@ -51,7 +51,7 @@ fn dependent(exam: &mut Examination<'_>, fit: &OrthogonalFit, columns: &Matrix, 
     let evidence = Evidence { code: Code::NotExcited, coordinate: None, value, unit: "parameters", limit: 0.5 };
     let mut lost = lost.to_vec();
     lost.sort_unstable();
-    exam.judge(evidence, Severity::Problem, || {
+    exam.judge(evidence, Severity::Warning, || {
         let qr = PivotedQr::new(&columns.select_columns(kept));
         let phrase = |&c: &usize| {
             let coefficients = qr.solve(columns.column(c));
@@ -65,7 +65,8 @@ fn dependent(exam: &mut Examination<'_>, fit: &OrthogonalFit, columns: &Matrix, 
         let list: Vec<String> = lost.iter().map(phrase).collect();
         let message =
             format!("the motion does not separate {} parameters from the others: {}", lost.len(), list.join(", "));
-        let remedy = "move these joints faster and in other configurations, or exclude these parameters";
+        let remedy =
+            "move these joints faster and in other configurations; until then identify leaves these parameters out";
         FindingText::new(message, remedy).about(owned(names, &lost))
     });
 }

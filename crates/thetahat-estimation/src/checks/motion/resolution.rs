@@ -13,11 +13,11 @@ use crate::{
 use thetahat_ground::{linear_algebra::norm, series::Series};
 
 /// Noise of the rows' acceleration by the position's steps, percent of the acceleration's rms. The clean recordings have at most
-/// 0.3.
-const STEP_LIMIT_PERCENT: f64 = 5.0;
+/// 0.1; 1.2 where each joint stands for most of the time, and 3 with steps of 0.1 degree.
+const STEP_LIMIT_PERCENT: f64 = 2.0;
 /// Noise of the rows' acceleration by white noise of the position, percent of the acceleration's rms. The clean recordings have at
-/// most 0.4.
-const NOISE_LIMIT_PERCENT: f64 = 10.0;
+/// most 0.2.
+const NOISE_LIMIT_PERCENT: f64 = 4.0;
 /// A sensible cut-off, relative to the band of the decimated rows: 5 times the dynamics' bandwidth if the rows keep twice it.
 const BANDS: f64 = 2.5;
 /// Periods of the cut-off, and rows, over which the filters' impulse response is summed.

@@ -20,7 +20,7 @@ use super::{
     table::Table,
     tables::{self, Detail},
 };
-use crate::results::{FTest, Results, RunResult, Status, Verdict};
+use crate::results::{FTest, NotSeparated, Results, RunResult, Status, Verdict};
 use facts::{facts, weights};
 
 /// Probability below which an F-test rejects.
@@ -207,9 +207,17 @@ fn method(results: &Results) -> Section {
     }
     .folded("recordings, filters, weights, files")
 }
-/// The elimination, and the F-tests whether they reject or not.
+fn not_separated(NotSeparated { parameter, with }: &NotSeparated) -> String {
+    if with.is_empty() {
+        return format!("Left out: {parameter}, which has no effect in this motion.");
+    }
+    let all = with.join(" ");
+    format!("Left out: {parameter}, which this motion does not separate from {all}; their estimates include it.")
+}
+
+/// What was left out, and the F-tests whether they reject or not.
 pub(super) fn tests(results: &Results) -> Vec<String> {
-    let mut lines = Vec::new();
+    let mut lines: Vec<String> = results.not_separated.iter().map(not_separated).collect();
     if let Some(elimination) = &results.elimination {
         lines.push(format!("Kept, {}: {}.", elimination.kept.len(), elimination.kept.join(" ")));
         let taken = elimination.eliminated.join(" ");

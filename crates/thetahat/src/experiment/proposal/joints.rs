@@ -238,6 +238,6 @@ impl<'a> Search<'_, 'a> {
 }
 
 /// With six decimals: a micrometre, or a microradian.
-fn rounded(value: f64) -> f64 {
+pub(super) fn rounded(value: f64) -> f64 {
     (1e6 * value).round() / 1e6
 }

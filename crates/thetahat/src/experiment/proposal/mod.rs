@@ -9,6 +9,7 @@
 //! | `driver_units` | units and gains as the driver has them, and what in the log contradicts it |
 //! | `source` | a file with the table of it that is used |
 //! | `joint_names`, `joints` | which column is of which joint; joints that the log lacks are locked |
+//! | `standing` | joints that stand in all recordings, which are locked as well |
 //! | `columns` | which columns of a file hold a signal, by their names or the file's |
 //! | `offer` | what each file offers |
 //! | `grouping` | which files are of one recording |
@@ -38,6 +39,7 @@ mod offer;
 mod recordings;
 mod request;
 mod source;
+mod standing;
 mod text;
 mod unit_names;
 mod units;
@@ -48,6 +50,8 @@ pub use error::ProposalError;
 pub use files::ProposalFiles;
 pub use joints::ProposedLock;
 pub use recordings::propose;
+#[doc(hidden)]
+pub use recordings::propose_for_motion;
 pub use request::ProposalRequest;
 pub use text::{Proposal, ProposedChannels, ProposedClock, ProposedDriver, ProposedRecording, ProposedSignal};
 

@@ -1,4 +1,4 @@
-use std::path::PathBuf;
+use std::{collections::BTreeMap, path::PathBuf};
 
 use super::{
     super::column_names::Signal,
@@ -6,11 +6,12 @@ use super::{
     control::control,
     error::ProposalError,
     grouping::{Group, groups},
-    joints::JointsOfLog,
+    joints::{JointsOfLog, rounded},
     of_driver::{self, joint_names},
     offer::{Offer, offers, sources, tables},
     request::ProposalRequest,
     source::{SelectedColumn, Source},
+    standing::standing,
     text::{Proposal, ProposedChannels, ProposedRecording, ProposedSignal},
     unit_names::Misfit,
     units::{Measured, Units, range},
@@ -34,6 +35,43 @@ pub fn propose(
     description: &RobotSource,
     contents: &[Contents],
 ) -> Result<Proposal, ProposalError> {
+    Ok(proposed(request, description, contents)?.0)
+}
+
+/// [`propose`] with the joints locked that stand in all recordings: they tell nothing of themselves.
+///
+/// # Errors
+/// As [`propose`].
+pub fn propose_for_motion(
+    request: &ProposalRequest,
+    description: &RobotSource,
+    contents: &[Contents],
+) -> Result<Proposal, ProposalError> {
+    let (proposal, standing) = proposed(request, description, contents)?;
+    if standing.is_empty() {
+        return Ok(proposal);
+    }
+    let mut locked = request.locked.clone();
+    locked.extend(standing.iter().map(|(joint, [least, most])| (joint.clone(), rounded(0.5 * (least + most)))));
+    // A robot that cannot be locked there is proposed as a whole.
+    let Ok((mut with_locks, _)) = proposed(&ProposalRequest { locked, ..request.clone() }, description, contents)
+    else {
+        return Ok(proposal);
+    };
+    for lock in &mut with_locks.locks {
+        if let Some([least, most]) = standing.get(&lock.joint) {
+            lock.why = format!("a guess, as it moves by {} in the log", short(most - least));
+        }
+    }
+    Ok(with_locks)
+}
+
+/// The proposal, and the joints that stand, with least and largest position.
+fn proposed(
+    request: &ProposalRequest,
+    description: &RobotSource,
+    contents: &[Contents],
+) -> Result<(Proposal, BTreeMap<String, [f64; 2]>), ProposalError> {
     let tables = tables(request, contents, &joint_names(request, description)?);
     let sources = sources(request, contents, &tables);
     of_driver::require_columns(request, &sources)?;
@@ -46,7 +84,7 @@ pub fn propose(
     let rate_hz = recordings.iter().map(|r| r.clock.rate_hz).fold(f64::INFINITY, f64::min);
     let first = offers[groups[0].position].source.file.display();
     let more = if contents.len() > 1 { format!(" and {} more", contents.len() - 1) } else { String::new() };
-    Ok(Proposal {
+    let proposal = Proposal {
         title: format!("{}: {first}{more}", robot.name),
         robot_file: request.robot_file.clone(),
         locks: joints.locks.clone(),
@@ -56,7 +94,8 @@ pub fn propose(
         driver: of_driver::proposed(request, &sources, &recordings),
         recordings,
         signal: ProposedSignal::usual(rate_hz).with_window(request.window_s),
-    })
+    };
+    Ok((proposal, standing(request, &joints, &offers, &groups)))
 }
 
 /// Columns of signals that are not used in the proposal, of the files that are.

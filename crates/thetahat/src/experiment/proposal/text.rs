@@ -239,8 +239,8 @@ impl Proposal {
         }
         let line = |lock: &ProposedLock| format!("{} = {:?}  # {}\n", quoted_key(&lock.joint), lock.value, lock.why);
         let lines: String = self.locks.iter().map(line).collect();
-        "\n# Joints without torques in the log, in rad or m: they do not move, and their links are parts of those that\n\
-         # carry them. The other joints are numbered anew in the names of parameters.\n[locked]\n"
+        "\n# Joints that stand or have no torques in the log, in rad or m: they do not move, and their links are parts of\n\
+         # those that carry them. The other joints are numbered anew in the names of parameters.\n[locked]\n"
             .to_owned()
             + &lines
     }

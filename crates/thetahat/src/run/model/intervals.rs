@@ -2,7 +2,7 @@
 
 use super::rows::ModelRows;
 use thetahat_estimation::{
-    identification::{Divisor, Method, Status, idim_ls, uncertainty},
+    identification::{Divisor, Method, SeparatedColumns, Status, idim_ls, uncertainty},
     regression::Regression,
 };
 use thetahat_ground::linear_algebra::Matrix;
@@ -13,8 +13,8 @@ const NORMAL_QUANTILE: f64 = 1.96;
 
 /// The intervals of free estimates.
 pub(super) struct Intervals<'a> {
-    /// By the rows of the model, of all base parameters; none if the recordings do not separate these.
-    of_rows: Option<Vec<[f64; 2]>>,
+    /// By the rows of the model, of each base parameter that the recordings separate from the others.
+    of_rows: Vec<Option<[f64; 2]>>,
     run: Option<&'a RunResult>,
 }
 
@@ -22,27 +22,33 @@ impl<'a> Intervals<'a> {
     /// Weighted least squares in rows of the model where the friction has its sign: near rest its errors depend on the motion.
     /// With a delay of the torques, whose column is given, the estimates are those of torques that are not late.
     pub(super) fn new(rows: &ModelRows, deviations: &[f64], delay: Option<Vec<f64>>, runs: &'a [RunResult]) -> Self {
-        Self { of_rows: of_rows(rows, deviations, delay), run: free_run(runs) }
+        Self { of_rows: of_rows(rows, deviations, delay).unwrap_or_default(), run: free_run(runs) }
     }
 
     /// The interval of a base parameter: that of the rows together with that of the weighted run. These treat friction near
     /// rest and delays otherwise, and nothing says which is right.
     pub(super) fn of(&self, index: usize, name: &str) -> Option<[f64; 2]> {
-        let of_rows = self.of_rows.as_ref().and_then(|intervals| intervals.get(index)).copied();
+        let of_rows = self.of_rows.get(index).copied().flatten();
         let of_run = self.run.and_then(|run| run.parameter(name)?.interval_95);
         let both = of_rows.zip(of_run).map(|(a, b)| [a[0].min(b[0]), a[1].max(b[1])]);
         both.or(of_rows).or(of_run)
     }
 }
 
-fn of_rows(rows: &ModelRows, deviations: &[f64], delay: Option<Vec<f64>>) -> Option<Vec<[f64; 2]>> {
+fn of_rows(rows: &ModelRows, deviations: &[f64], delay: Option<Vec<f64>>) -> Option<Vec<Option<[f64; 2]>>> {
     let whitening = rows.layout.spread(|block| 1.0 / deviations[block.joint]);
     let weights = whitening.iter().zip(&rows.weights).map(|(a, b)| a * b).collect();
     let delay = Matrix::from_columns(rows.y.len(), delay.unwrap_or_default());
     let x = Matrix::side_by_side(&[&rows.x, &delay.scale_rows(&rows.kept())]);
+    let separated = SeparatedColumns::of(&x);
     let regression = Regression::new(x, rows.y.clone(), rows.layout.clone()).with_weights(Some(weights));
+    let regression = regression.with_columns(&separated.kept);
     let fit = idim_ls(&regression, Divisor::default()).ok()?;
-    Some(uncertainty(Method::IDIM_LS, &regression, None, &fit).ok()?.interval_95)
+    let found = uncertainty(Method::IDIM_LS, &regression, None, &fit).ok()?.interval_95;
+    let mut intervals = vec![None; rows.x.columns() + delay.columns()];
+    separated.kept.iter().zip(found).for_each(|(&column, interval)| intervals[column] = Some(interval));
+    separated.including().for_each(|column| intervals[column] = None);
+    Some(intervals)
 }
 
 /// The run whose intervals are those of the recordings alone: weighted least squares, or else plain.

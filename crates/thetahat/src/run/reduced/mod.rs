@@ -7,7 +7,7 @@ use super::{
     assessment::Assessment,
     estimation_data::EstimationData,
     examination::{examine_robot, with_note},
-    parameters::elimination_result,
+    parameters::{elimination_result, not_separated},
 };
 use crate::{
     diagnosis::{MethodEstimate, advise, diagnose, judge},
@@ -115,6 +115,7 @@ impl ReducedIdentification<'_> {
             excluded_parameters: setup.settings.parameters.exclude.clone(),
             fixed_parameters: setup.settings.parameters.fix.clone(),
             elimination: elimination_result(&self.problem.problem),
+            not_separated: not_separated(&self.problem.problem),
             unmasked_comparison: None,
             profiled_terms: Vec::new(),
             term_comparison: None,

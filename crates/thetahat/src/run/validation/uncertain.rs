@@ -108,10 +108,10 @@ impl Trial {
         }
         let fifths = Fifths::new(regression);
         let few = fifths.all(regression.rows_represented());
-        let simulable = Simulable::new(setup.robot, (&problem.model, &problem.base), &few);
+        let whole: Vec<usize> = (0..regression.parameters()).collect();
+        let simulable = Simulable::new(setup.robot, (&problem.model, &problem.estimated), &few, &whole);
         let rule = setup.settings.parameters.elimination;
         let found = eliminate(&few, rule, &|kept, theta| simulable.is_possible(kept, theta)).ok()?;
-        let whole: Vec<usize> = (0..regression.parameters()).collect();
         let percent = |columns: &[usize]| Some(100.0 * fifths.error(columns)? / norm(&regression.y));
         let trial =
             Self { eliminated: found.eliminated.len(), whole: percent(&whole)?, essential: percent(&found.kept)? };

@@ -81,8 +81,14 @@ pub fn powers() -> Vec<Power> {
             insert_rest(r, rest, samples);
         }),
         by("position filter", CutoffLow, "Hz", &[3.0, 4.0, 5.0, 7.0, 10.0, 15.0], |r, hz| r.signal.cutoff_hz = hz),
-        by("position filter", CutoffHigh, "Hz", &[2000.0, 1500.0, 1000.0, 700.0, 500.0, 300.0], |r, hz| {
-            r.signal.cutoff_hz = hz;
-        }),
+        by(
+            "position filter, every 4th sample a row",
+            CutoffHigh,
+            "Hz",
+            &[2000.0, 1500.0, 1000.0, 700.0, 500.0],
+            |r, hz| {
+                (r.signal.cutoff_hz, r.signal.decimation) = (hz, 4);
+            },
+        ),
     ]
 }
