@@ -39,11 +39,13 @@ impl SeparatedColumns {
         }
         let separated = x.select_columns(&kept);
         let qr = PivotedQr::new(&separated);
-        let of_column = |column: usize| DependentColumn {
-            column,
-            spanned_by: spanned_by(&qr, &separated, &kept, x.column(column)),
+        let longest = (0..x.columns()).map(|column| norm(x.column(column))).fold(0.0, f64::max);
+        let of_column = |&column: &usize| {
+            let has_effect = norm(x.column(column)) > NO_EFFECT * longest;
+            let spanned_by = has_effect.then(|| spanned_by(&qr, &separated, &kept, x.column(column)));
+            DependentColumn { column, spanned_by: spanned_by.unwrap_or_default() }
         };
-        let dependent = dependent.iter().map(|column| of_column(*column)).collect();
+        let dependent = dependent.iter().map(of_column).collect();
         Self { kept, dependent }
     }
 

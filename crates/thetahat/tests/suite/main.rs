@@ -22,6 +22,7 @@ mod long_parquet;
 mod model;
 mod near_rest;
 mod nist_strd;
+mod not_separated;
 mod operation_counts;
 mod payload;
 mod physical;

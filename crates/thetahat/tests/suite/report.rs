@@ -19,9 +19,9 @@ use thetahat_report::{
     results::{
         Advice, Bandwidth, BiasExplanation, BiasKind, BiasedSimulatorResult, Bin, CaseDiagnosis, Code, Comparison,
         EliminationResult, EndogeneityResult, FTest, Finding, Frame, HeldBackPlots, HiddenBias, HiddenError, Influence,
-        IterationResult, JointKind, JointResidual, Method, ParameterDifference, Plots, ReasonSubject, RecordStart,
-        RecordingResult, ReferenceResult, ResidualCurves, ResidualResult, RunPlots, SCHEMA, Severity, Skeleton, Status,
-        Weighting,
+        IterationResult, JointKind, JointResidual, Method, NotSeparated, ParameterDifference, Plots, ReasonSubject,
+        RecordStart, RecordingResult, ReferenceResult, ResidualCurves, ResidualResult, RunPlots, SCHEMA, Severity,
+        Skeleton, Status, Weighting,
     },
 };
 
@@ -297,6 +297,7 @@ fn results() -> Results {
         unmasked_comparison: None,
         profiled_terms: Vec::new(),
         term_comparison: None,
+        not_separated: vec![NotSeparated { parameter: "ia2".to_owned(), with: vec!["mx2".to_owned()] }],
         elimination: Some(EliminationResult {
             kept: vec!["zz1r".to_owned()],
             eliminated: vec!["fc6".to_owned(); 40],

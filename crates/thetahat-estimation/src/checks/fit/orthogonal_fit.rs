@@ -101,9 +101,9 @@ impl OrthogonalFit {
         total - (0..self.rank).map(|c| along(c).powi(2)).sum::<f64>()
     }
 
-    /// Mean squared error of rows with a weight, relative to the torques' variances, on every other stretch of time with the parameters of the
-    /// remaining stretches. `None` if these do not separate the parameters.
-    pub(in crate::checks) fn held_out_squares(&self) -> Option<f64> {
+    /// Mean squared error of rows that are counted, relative to the torques' variances, on every other stretch of time with the
+    /// parameters of the remaining stretches. `None` if these do not separate the parameters.
+    pub(in crate::checks) fn held_out_squares(&self, is_counted: &[bool]) -> Option<f64> {
         let rows = self.regression.layout.block(0, 0).len();
         let is_even = |i: usize| ((i % rows) * STRETCHES / rows).is_multiple_of(2);
         let squares = |own: &dyn Fn(usize) -> bool| {
@@ -113,12 +113,12 @@ impl OrthogonalFit {
             let theta = qr.solve(&part(true).map(|i| self.y[i]).collect::<Vec<_>>());
             let error = |i: usize| self.y[i] - (0..self.x.columns()).map(|c| self.x.at(i, c) * theta[c]).sum::<f64>();
             let separates = qr.rank(RANK_TOLERANCE) == self.x.columns();
-            separates.then(|| part(false).map(|i| error(i).powi(2)).sum::<f64>())
+            separates.then(|| part(false).filter(|i| is_counted[*i]).map(|i| error(i).powi(2)).sum::<f64>())
         };
-        let used = self.regression.weights().into_iter().flatten().filter(|w| **w > 0.0).count();
-        let enough = used / 2 > self.x.columns() && rows > STRETCHES;
+        let counted = is_counted.iter().filter(|is_counted| **is_counted).count();
+        let enough = self.y.len() / 2 > self.x.columns() && rows > STRETCHES && counted > 0;
         let both = enough.then(|| Some(squares(&is_even)? + squares(&|i| !is_even(i))?)).flatten()?;
-        Some(both / used as f64)
+        Some(both / counted as f64)
     }
 
     /// Variance of the weighted residual.

@@ -220,11 +220,6 @@ impl<'a> ThinnedRecording<'a> {
         Ok(OrthogonalFit::without(&regression.with_matrix(all), left_out))
     }
 
-    /// The fit without rows near rest.
-    pub(in crate::checks) fn fit_of_motion(&self) -> Result<OrthogonalFit, SignalError> {
-        Ok(OrthogonalFit::without(&self.regression()?, &self.rows_near_rest()))
-    }
-
     /// The rows of the recording as corrected so far, without weights.
     pub(in crate::checks) fn regression(&self) -> Result<Regression, SignalError> {
         self.regression_of(self.subject.model, &self.base.columns())
@@ -242,17 +237,19 @@ impl<'a> ThinnedRecording<'a> {
         Ok(Regression::new(x, self.stack(&self.torque), layout))
     }
 
-    /// The rows whose own coordinate is near rest, or is so within the memory of the rows' filter: its friction has no sign there.
-    fn rows_near_rest(&self) -> Vec<bool> {
+    /// Whether each row counts where rests do not: those of a coordinate that stands for most of the time are left out where it is near
+    /// rest, or is so within the memory of the rows' filter.
+    pub(in crate::checks) fn rows_without_long_rests(&self) -> Vec<bool> {
         let memory = MEMORY_ROWS * self.steps_per_row();
-        let near_rest = |j: usize| {
+        let of_coordinate = |j: usize| {
             let speeds: Vec<f64> = self.motion.dq.channel(j).into_iter().map(f64::abs).collect();
             let limit = NEAR_REST * speeds.iter().copied().fold(0.0, f64::max);
+            let stands = 2 * speeds.iter().filter(|speed| **speed <= limit).count() > speeds.len();
             let last = speeds.len();
             let around = move |k: usize| k.saturating_sub(memory)..(k + memory + 1).min(last);
-            self.kept.iter().map(move |&k| speeds[around(k)].iter().any(|speed| *speed <= limit))
+            self.kept.iter().map(move |&k| !stands || speeds[around(k)].iter().all(|speed| *speed > limit))
         };
-        (0..self.coordinates()).flat_map(near_rest).collect()
+        (0..self.coordinates()).flat_map(of_coordinate).collect()
     }
 
     /// Whether the motion separates all parameters.

@@ -24,8 +24,9 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &ThinnedRe
     if recording.is_corrected() || 2.0 * cutoff > highest {
         return;
     }
-    // Near rest a wider filter makes signs of the friction sharper, and moves no estimate.
-    let squares = |recording: &ThinnedRecording<'_>| recording.fit_of_motion().ok()?.held_out_squares();
+    // Where a joint stands, a wider filter makes the friction's sign sharper and moves no estimate.
+    let squares =
+        |recording: &ThinnedRecording<'_>| recording.fit().ok()?.held_out_squares(&recording.rows_without_long_rests());
     let at = |cutoff_hz: f64| recording.with_cutoff(cutoff_hz).and_then(|wider| squares(&wider));
     let (Some(narrow), Some(wide)) = (squares(recording), at(2.0 * cutoff)) else { return };
     let value = if narrow > WORTH_IT * wide { 100.0 * (narrow - wide).sqrt() } else { 0.0 };

@@ -61,3 +61,54 @@ fn spans(request: &ProposalRequest, joints: &JointsOfLog, offer: &Offer<'_>) -> 
     let spans: Option<Vec<Span>> = channels.iter().enumerate().map(span).collect();
     spans.filter(|spans| spans.len() == robot.coordinate_count())
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::super::{ProposalRequest, propose, propose_for_motion};
+    use thetahat_data::recording::inspect;
+    use thetahat_model::robot::RobotSource;
+
+    const ARM: &str = "name = 'arm'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n[[joint]]\nname = 'b'\nkind = 'revolute'\n\
+                       [[joint]]\nname = 'c'\nkind = 'revolute'\n";
+
+    /// The locks of a log whose joints travel so far around 0.3 rad, as they are proposed, and without those that stand.
+    fn locks(travel: [f64; 3]) -> [Vec<(String, f64)>; 2] {
+        let row = |k: usize| {
+            let q = travel.map(|travel| 0.3 + 0.5 * travel * (0.1 * k as f64).sin());
+            let tau = travel.map(|travel| 1.0 + 5.0 * travel * (0.1 * k as f64).cos());
+            let values = [k as f64 * 1e-3].into_iter().chain(q).chain(tau).map(|v| v.to_string());
+            values.collect::<Vec<_>>().join(",") + "\n"
+        };
+        let folder = thetahat_testing::Folder::new();
+        let rows: String = (0..300).map(row).collect();
+        folder.write("log.csv", format!("t,q1,q2,q3,tau1,tau2,tau3\n{rows}"));
+        let contents = [inspect(&folder.at("log.csv")).unwrap()];
+        let robot = RobotSource::from_text(ARM.to_owned(), Path::new("arm.toml")).unwrap();
+        let request = ProposalRequest {
+            robot_file: "arm.toml".into(),
+            recording_files: vec!["log.csv".into()],
+            ..ProposalRequest::default()
+        };
+        [propose_for_motion, propose].map(|of| {
+            let proposal = of(&request, &robot, &contents).unwrap();
+            proposal.locks.into_iter().map(|lock| (lock.joint, lock.value)).collect()
+        })
+    }
+
+    #[test]
+    fn joints_that_stand_are_locked_where_they_stand() {
+        assert_eq!(locks([1.0, 0.001, 0.8]), [vec![("b".to_owned(), 0.3)], Vec::new()]);
+    }
+
+    #[test]
+    fn joints_that_move_are_not() {
+        assert_eq!(locks([1.0, 0.01, 0.8]), [Vec::new(), Vec::new()]);
+    }
+
+    #[test]
+    fn a_robot_that_stands_has_no_motion_to_propose_for() {
+        assert_eq!(locks([0.0, 0.0, 0.0]), [Vec::new(), Vec::new()]);
+    }
+}
