@@ -1,7 +1,9 @@
 // Remedies that are settings: a button for each, and what the last one changed.
 
+import { useState } from "preact/hooks";
 import type { Remedy } from "../contract";
 import type { View } from "./Page";
+import { Report } from "./Report";
 
 /** Applies a remedy and identifies again. */
 export function RemedyButton({ state, app, remedies, remedy }: View & { remedies: Remedy[]; remedy: Remedy }) {
@@ -22,7 +24,7 @@ export function Remedies({ state, app }: View) {
     <ul class="findings" aria-label="Remedies">
       {remedies.map((remedy) => (
         <li key={remedy.code} class="finding" data-severity="warning">
-          <p>{remedy.found} <span class="code">[{remedy.code}]</span></p>
+          <p>{remedy.found}</p>
           <RemedyButton state={state} app={app} remedies={remedies} remedy={remedy} />
         </li>
       ))}
@@ -30,9 +32,20 @@ export function Remedies({ state, app }: View) {
   );
 }
 
-/** What the last remedy changed against the run before. */
+/** What the last remedy changed against the run before, and the report of that run. */
 export function Change({ state: { changed } }: Pick<View, "state">) {
-  return changed && <pre class="changed" tabIndex={0} role="region" aria-label={`Change by: ${changed.label}`}>{changed.text}</pre>;
+  const [isOpen, setOpen] = useState(false);
+  if (!changed) return null;
+  return (
+    <div class="after">
+      <h3>{changed.label}: done</h3>
+      <pre class="changed" tabIndex={0} role="region" aria-label={`Change by: ${changed.label}`}>{changed.text}</pre>
+      <details onToggle={(event) => setOpen(event.currentTarget.open)}>
+        <summary>The report before</summary>
+        {isOpen && <Report html={changed.before.report} title="The report before" />}
+      </details>
+    </div>
+  );
 }
 
 function changesOf({ changes }: Remedy): string {
