@@ -5,7 +5,7 @@ import type { State } from "./state";
 /** The state without what only a running task has. */
 type KeptState = Omit<State, "task" | "problem" | "said">;
 
-/** What is kept of a tab, in two records, as files are large and change seldom. */
+/** What is kept of a tab, in two entries, as files are large and change seldom. */
 interface Kept<T> {
   tab: string;
   /** When it was kept, ms. */
@@ -66,7 +66,7 @@ export class Keeper {
     return record?.content ?? null;
   }
 
-  /** Puts the record of this tab; null removes it. */
+  /** Puts the entry of this tab; null removes it. */
   private async put<T>(name: StoreName, content: T | null): Promise<void> {
     const records = await this.store(name);
     if (content === null) await done<undefined>(records.delete(this.tab));

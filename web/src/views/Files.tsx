@@ -39,7 +39,7 @@ export function Files({ state, app }: View) {
         {isEmpty && <Accepted />}
       </div>
       {isEmpty && state.linked && <p class="note">The settings of the link are used for the files that you add. <button type="button" onClick={() => app.startAnew()}>Without them</button></p>}
-      {state.problem?.at === "read" && <p class="error" role="alert">{state.problem.message}</p>}
+      {state.problem && (state.problem.at === "read" || (state.problem.at === "understand" && !state.understanding)) && <p class="error" role="alert">{state.problem.message}</p>}
       {isEmpty && <Samples state={state} app={app} />}
       {!isEmpty && <List files={state.files} sample={state.sample} remove={(path) => app.remove(path)} />}
     </section>

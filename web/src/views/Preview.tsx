@@ -1,8 +1,8 @@
 // The result of the demo, which `web/build` makes and stores in the page: what a visitor can expect, without a click.
 
-import { significant } from "../words";
+import { interval, significant } from "../words";
 
-/** An estimate beside the value with which the robot was simulated. */
+/** An estimate next to the value with which the robot was simulated. */
 export interface PreviewValue {
   name: string;
   unit: string;
@@ -24,6 +24,8 @@ export interface DemoResult {
 /** Set by esbuild; null where the page was built without it. */
 declare const DEMO_RESULT: DemoResult | null;
 
+/** Parameters in the table. */
+const SHOWN = 8;
 const WIDTH = 150;
 const HEIGHT = 16;
 /** Half the width of a picture in half intervals. */
@@ -37,13 +39,13 @@ export function Preview() {
     <figure class="preview">
       <figcaption>
         <strong>The result of the demo: {verdict}.</strong>{" "}
-        {method.toUpperCase()} leaves {significant(error, 2)} % of the torques{unseen !== null && `, and ${significant(unseen, 2)} % on motion that was not used`}.{" "}
-        Of {values.length} parameters {within} are known values inside their 95 % interval; the first of them:
+        {method.toUpperCase()} leaves {error.toPrecision(2)} % of the torques{unseen !== null && `, and ${unseen.toPrecision(2)} % on motion that was not used`}.{" "}
+        {within} of {values.length} known values lie in the 95 % intervals of the estimates. The first {SHOWN}:
       </figcaption>
       <div class="scroll" tabIndex={0} role="region" aria-label="The result of the demo">
         <table>
           <thead><tr><th class="lead">parameter</th><th>known</th><th>estimated</th><th class="lead">unit</th><th class="lead">interval around the known value</th></tr></thead>
-          <tbody>{values.slice(0, 8).map((value) => <Row key={value.name} value={value} />)}</tbody>
+          <tbody>{values.slice(0, SHOWN).map((value) => <Row key={value.name} value={value} />)}</tbody>
         </table>
       </div>
     </figure>
@@ -56,7 +58,7 @@ function Row({ value }: { value: PreviewValue }) {
     <tr>
       <th class="lead" scope="row">{name}</th>
       <td>{significant(known)}</td>
-      <td>{significant(estimate)} ± {significant(half, 2)}</td>
+      <td>{interval(estimate, half)}</td>
       <td class="lead">{unit}</td>
       <td class="lead"><Interval value={value} /></td>
     </tr>

@@ -2,6 +2,7 @@
 
 import { useState } from "preact/hooks";
 import type { Remedy } from "../contract";
+import { capital } from "../words";
 import type { View } from "./Page";
 import { Report } from "./Report";
 
@@ -20,11 +21,13 @@ export function Remedies({ state, app }: View) {
   const remedies = state.identified?.results.remedies ?? [];
   // A remedy is of the text that was identified: in another one it may be there already.
   if (remedies.length === 0 || state.identified?.experiment !== state.experiment?.text) return null;
+  // Of a good result they only improve it.
+  const severity = state.identified?.results.verdict === "good" ? "note" : "warning";
   return (
     <ul class="findings" aria-label="Remedies">
       {remedies.map((remedy) => (
-        <li key={remedy.code} class="finding" data-severity="warning">
-          <p>{remedy.found}</p>
+        <li key={remedy.code} class="finding" data-severity={severity}>
+          <p>{capital(remedy.found)}</p>
           <RemedyButton state={state} app={app} remedies={remedies} remedy={remedy} />
         </li>
       ))}
