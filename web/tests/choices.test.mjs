@@ -197,7 +197,8 @@ test("all of it by keyboard", async (t) => {
   await untilReady(page);
   await tabTo(page, "Identify");
   await page.keyboard.press("Enter");
-  await page.frameLocator("iframe").getByRole("region", { name: "Verdict" }).waitFor();
+  // A run may take as long as in `identify`.
+  await page.frameLocator("iframe").getByRole("region", { name: "Verdict" }).waitFor({ timeout: 120e3 });
   assert.equal(await page.evaluate(() => document.activeElement.textContent), "Result", "the reader is led to the result");
   await tabTo(page, "results.json");
   assertQuiet();
