@@ -7,14 +7,19 @@ import { fileURLToPath } from "node:url";
 import { promisify } from "node:util";
 import { brotliCompress, gzip, gzipSync } from "node:zlib";
 import { build } from "esbuild";
+import { demoResult } from "./demo_result.mjs";
 
 const HERE = dirname(fileURLToPath(import.meta.url));
 const DIST = join(HERE, "dist");
 /** The modules: one thread, and several on one memory. */
 const WASM = { one: join(HERE, "wasm"), threads: join(HERE, "wasm/threads") };
-const REPORT = join(HERE, "../crates/thetahat/src/report/page");
+const REPORT = join(HERE, "../crates/thetahat-report/src/report/page");
 
 const read = (path) => readFileSync(path, "utf8");
+
+/** What the page says of the program. */
+const [, CARGO_VERSION] = /^version = "(.+)"$/m.exec(read(join(HERE, "../Cargo.toml")));
+const [, REPOSITORY] = /^repository = "(.+)"$/m.exec(read(join(HERE, "../Cargo.toml")));
 const hashOf = (text) => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
 
 /** The script of every report as it stands in its page. */
@@ -70,7 +75,7 @@ const workerOf = (folder) => bundle("worker.ts", { alias: { "thetahat-web": join
 const wasmOf = (folder) => readFileSync(join(folder, "thetahat_web_bg.wasm"));
 
 async function served(style, worker, wasm) {
-  const script = await bundle("main.tsx", { define: { SINGLE_FILE: "false" } });
+  const script = await bundle("main.tsx", { define: { ...ABOUT, SINGLE_FILE: "false" } });
   const html = page({
     policy: policy({ scripts: ["'self'"], connect: "'self'" }),
     style: '<link rel="stylesheet" href="page.css">',
@@ -104,7 +109,7 @@ function serviceWorker(files) {
 }
 
 async function singleFile(style, worker, wasm) {
-  const script = inline(await bundle("main.tsx", { define: { SINGLE_FILE: "true" } }));
+  const script = inline(await bundle("main.tsx", { define: { ...ABOUT, SINGLE_FILE: "true" } }));
   const data = (id, text) => `<script type="text/plain" id="${id}">${text}</script>`;
   const html = page({
     policy: policy({ scripts: [hashOf(script)], connect: "'none'" }),
@@ -118,6 +123,11 @@ async function singleFile(style, worker, wasm) {
   writeFileSync(join(DIST, "thetahat.html"), html);
 }
 
+const ABOUT = {
+  VERSION: JSON.stringify(CARGO_VERSION),
+  REPOSITORY: JSON.stringify(REPOSITORY),
+  DEMO_RESULT: JSON.stringify(await demoResult(WASM.one)),
+};
 rmSync(DIST, { recursive: true, force: true });
 mkdirSync(DIST, { recursive: true });
 const [style, worker, wasm] = [await bundle("page.css"), await workerOf(WASM.one), wasmOf(WASM.one)];

@@ -31,7 +31,7 @@ function put(session, experiment, toml) {
 function inPage(name, toml) {
   const session = new Session(1);
   if (name !== "demo") put(session, name, toml);
-  const text = name === "demo" ? JSON.parse(session.demo()).experiment : toml;
+  const text = name === "demo" ? JSON.parse(session.sample("demo")).experiment : toml;
   const start = performance.now();
   const answer = JSON.parse(session.identify(text, () => {}));
   return { results: JSON.parse(answer.files["results.json"]), seconds: (performance.now() - start) / 1000 };

@@ -1,7 +1,10 @@
 // The actions of the user and their effects.
 
 import { Cancelled, Client, SessionError, Trapped } from "./client";
-import type { DemoAnswer, Exported, Identified, InitRequest, Kind, Remedy, Understanding } from "./contract";
+import type { Exported, Identified, InitRequest, Kind, Remedy, SampleAnswer, SampleName, Understanding } from "./contract";
+import type { Keeper } from "./kept";
+import { linkedIn, linkOf, type Linked } from "./link";
+import { save } from "./save";
 import { EMPTY, isOwnText, requestOf, type Choices, type Experiment, type ExportFormat, type ListedFile, type Problem, type Run, type State, type TaskName } from "./state";
 
 /** A file as it was dropped or chosen, with its path below what was dropped. */
@@ -23,11 +26,45 @@ export class App {
   constructor(
     private readonly client: Client,
     private readonly changed: (state: State) => void,
+    private readonly keeper: Keeper,
   ) {}
+
+  /** Begins with a link's settings, or else with what a reload of this tab left. */
+  async begin(fragment: string): Promise<void> {
+    const linked = linkedIn(fragment);
+    if (linked !== null) return this.follow(linked);
+    const kept = await this.keeper.find();
+    // What was done in the meantime counts.
+    if (!kept || this.state !== EMPTY) return;
+    this.client.restore(kept.files, kept.state.sample);
+    this.set(kept.state);
+    if (!this.state.understanding) await this.understand();
+  }
+
+  /** Takes the settings of a link; those without a sample wait for files. */
+  async follow(linked: Linked | string): Promise<void> {
+    this.startAnew();
+    if (typeof linked === "string") return this.set({ problem: { at: "read", message: linked } });
+    const { sample, choices, experiment } = linked;
+    if (sample) return this.sample(sample, linked);
+    const text: Experiment | null = experiment === null ? null : { text: experiment, origin: "given" };
+    this.set({ linked: choices, choices, experiment: text, said: "The settings of the link are used for the files that you add." });
+  }
+
+  /** The link with these settings. */
+  link(page: string): string {
+    return linkOf(this.state, page);
+  }
+
+  /** Gives a file to the user. */
+  save(name: string, text: string): void {
+    save(name, text);
+    this.set({ isUnsaved: false });
+  }
 
   /** Adds files and reads them together. */
   async add(given: GivenFile[]): Promise<void> {
-    if (this.state.isDemo) this.startAnew();
+    if (this.state.sample) this.startAnew();
     await this.task("read", async () => {
       for (const { path, file } of given) {
         this.say(`Reading ${path}.`);
@@ -41,17 +78,19 @@ export class App {
     const file = this.state.files.find((listed) => listed.path === path);
     this.set({ files: this.state.files.filter((listed) => listed !== file), identified: null, said: `${path} is removed.` });
     if (file?.kind === "experiment") this.set({ experiment: null });
-    if (file?.kind === "robot" || file?.kind === "recording") this.set({ choices: {} });
+    if (file?.kind === "robot" || file?.kind === "recording") this.set({ choices: this.state.linked ?? {} });
     await this.client.remove(path).catch(() => {});
     await this.understand();
   }
 
-  async demo(): Promise<void> {
+  /** Records a simulated robot, and takes the settings of a link to it. */
+  async sample(name: SampleName, { choices, experiment: own }: Pick<Linked, "choices" | "experiment"> = { choices: {}, experiment: null }): Promise<void> {
     this.startAnew();
     await this.task("read", async () => {
       this.say("Recording the simulated robot.");
-      const { request, experiment } = JSON.parse(await this.client.demo()) as DemoAnswer;
-      this.set({ isDemo: true, files: demoFiles(request), experiment: { text: experiment, origin: "given" } });
+      const { request, experiment } = JSON.parse(await this.client.sample(name)) as SampleAnswer;
+      const text = own ?? experiment;
+      this.set({ sample: name, files: sampleFiles(request), choices, experiment: text === null ? null : { text, origin: "given" } });
     });
     if (!this.state.problem) await this.understand();
   }
@@ -60,6 +99,7 @@ export class App {
   startAnew(): void {
     this.client.clear();
     this.state = EMPTY;
+    this.keeper.keep(this.state, this.client.given);
     this.changed(this.state);
   }
 
@@ -72,7 +112,7 @@ export class App {
 
   /** Reverts all choices. */
   async chooseNothing(): Promise<void> {
-    this.set({ choices: {} });
+    this.set({ choices: {}, linked: null });
     await this.understand();
   }
 
@@ -103,7 +143,7 @@ export class App {
     const isApplied = await this.task("apply", async () => {
       const { text } = this.state.experiment!;
       const mended = await this.client.call("apply", [text, JSON.stringify(remedies), JSON.stringify([code])]);
-      this.set({ experiment: { text: mended, origin: "edited" }, said: `${label}: applied.` });
+      this.set({ experiment: { text: mended, origin: "mended" }, said: `${label}: applied.` });
     });
     if (!isApplied) return;
     this.set({ identified: null, exported: null, changed: null });
@@ -138,7 +178,7 @@ export class App {
     if (listed.error === null) await this.recognise(listed, file);
     const replaced = (other: ListedFile) => other.path === path || (isSingle(listed) && other.kind === listed.kind);
     this.set({ files: [...this.state.files.filter((other) => !replaced(other)), listed], identified: null });
-    if (listed.kind === "robot" || listed.kind === "recording") this.set({ choices: {} });
+    if (listed.kind === "robot" || listed.kind === "recording") this.set({ choices: this.state.linked ?? {} });
     if (listed.kind === "experiment") this.set({ experiment: { text: await file.text(), origin: "given" } });
   }
 
@@ -195,7 +235,7 @@ export class App {
     this.say("Identifying.");
     const experiment = this.state.experiment?.text ?? "";
     const answer = await this.client.call("identify", [experiment], (stage) => this.stage(stage));
-    this.set({ identified: { ...(JSON.parse(answer) as Identified), experiment } });
+    this.set({ identified: { ...(JSON.parse(answer) as Identified), experiment }, isUnsaved: this.state.sample === null });
   }
 
   /** Runs a task after the previous ones; its error is shown where it belongs. Returns whether it succeeded. */
@@ -228,6 +268,7 @@ export class App {
 
   private set(change: Partial<State>): void {
     this.state = { ...this.state, ...change };
+    this.keeper.keep(this.state, this.client.given);
     this.changed(this.state);
   }
 }
@@ -249,7 +290,7 @@ function isSingle({ kind }: ListedFile): boolean {
   return kind === "robot" || kind === "experiment";
 }
 
-function demoFiles({ robot, recordings }: InitRequest): ListedFile[] {
+function sampleFiles({ robot, recordings }: InitRequest): ListedFile[] {
   const listed = (kind: Kind) => (path: string) => ({ path, bytes: 0, kind, error: null });
   return [...(robot === undefined ? [] : [robot]).map(listed("robot")), ...recordings.map(listed("recording"))];
 }

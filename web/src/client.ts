@@ -1,6 +1,6 @@
 // The page's side of the worker and its threads: calls with answers, and a new worker after one was cancelled or has stopped.
 
-import type { FromWorker, Method, ToWorker } from "./contract";
+import type { FromWorker, Method, SampleName, ToWorker } from "./contract";
 import { THREADS, type Program } from "./program";
 
 /** An error with the message of the command line. */
@@ -29,7 +29,7 @@ export class Client {
   private readonly pending = new Map<number, Pending>();
   /** The files that a new worker gets again. */
   private readonly files = new Map<string, Blob>();
-  private hasDemo = false;
+  private sampled: SampleName | null = null;
   private calls = 0;
 
   constructor(private readonly program: Promise<Program>) {}
@@ -45,17 +45,28 @@ export class Client {
     await this.call("remove", [path]);
   }
 
-  /** The answer of the demo, whose files are the session's own. */
-  async demo(): Promise<string> {
-    const answer = await this.call("demo", []);
-    this.hasDemo = true;
+  /** The answer of a sample, whose files are the session's own. */
+  async sample(name: SampleName): Promise<string> {
+    const answer = await this.call("sample", [name]);
+    this.sampled = name;
     return answer;
+  }
+
+  /** Gives the first worker the files of a visit before. */
+  restore(files: ReadonlyMap<string, Blob>, sample: SampleName | null): void {
+    for (const [path, file] of files) this.files.set(path, file);
+    this.sampled = sample;
+  }
+
+  /** The files that were put. */
+  get given(): ReadonlyMap<string, Blob> {
+    return this.files;
   }
 
   /** Forgets all files. */
   clear(): void {
     this.files.clear();
-    this.hasDemo = false;
+    this.sampled = null;
     this.stop(new Cancelled());
   }
 
@@ -88,7 +99,7 @@ export class Client {
     });
     worker.addEventListener("error", (event) => worker === this.running && this.stop(new Trapped(event.message)));
     worker.postMessage({ module: program.module, threads: this.threads } satisfies ToWorker);
-    if (this.hasDemo) await this.send(worker, "demo", []);
+    if (this.sampled) await this.send(worker, "sample", [this.sampled]);
     for (const put of this.files) await this.send(worker, "put", put);
     return worker;
   }

@@ -19,6 +19,12 @@ export interface InitRequest {
   side?: Side;
   window_s?: [number, number];
   locked?: Record<string, number>;
+  /** Torque for 1 A, 1 V or 100 %, one for all joints or one for each. */
+  gain?: number[];
+  /** Of the controller, likewise. */
+  position_gain?: number[];
+  velocity_gain?: number[];
+  methods?: string[];
 }
 
 /** The part of `thetahat model --json` that is shown. */
@@ -78,6 +84,8 @@ export interface ProposalAnswer {
   position: Columns;
   torque: Columns;
   locked: { name: string; value: number }[];
+  /** Torque for 1 A, 1 V or 100 % where it is known. */
+  gain: number[];
 }
 
 /** The curves of the recording, thinned: one row for each joint. */
@@ -144,13 +152,17 @@ export interface Exported {
   text: string;
 }
 
-export interface DemoAnswer {
+/** The samples of the program. */
+export type SampleName = "demo" | "arm" | "axis" | "exchanged";
+
+export interface SampleAnswer {
   request: InitRequest;
-  experiment: string;
+  /** Where it is not the proposal. */
+  experiment: string | null;
 }
 
 /** The methods of the session that the page calls. */
-export type Method = "put" | "remove" | "kind" | "understand" | "propose" | "identify" | "apply" | "changed" | "demo" | "export";
+export type Method = "put" | "remove" | "kind" | "understand" | "propose" | "identify" | "apply" | "changed" | "sample" | "export";
 
 /** Messages to the worker that holds the session, first the module and then calls, and to each of its threads. */
 export type ToWorker =

@@ -1,6 +1,6 @@
 // All that the page shows, as one value.
 
-import type { Exported, Identified, InitRequest, Kind, Understanding } from "./contract";
+import type { Exported, Identified, InitRequest, Kind, SampleName, Understanding } from "./contract";
 
 export interface ListedFile {
   path: string;
@@ -11,8 +11,8 @@ export interface ListedFile {
   error: string | null;
 }
 
-/** Where the text of the experiment comes from: proposed at once, proposed with something to be filled in by hand, with the filter chosen from the data, changed by hand, or given as a file. */
-export type Origin = "proposed" | "unfinished" | "chosen" | "edited" | "given";
+/** Where the text of the experiment comes from: proposed at once, proposed with something to be filled in by hand, with the filter chosen from the data, changed by hand or by a remedy, or given as a file. */
+export type Origin = "proposed" | "unfinished" | "chosen" | "edited" | "mended" | "given";
 
 export interface Experiment {
   text: string;
@@ -56,10 +56,15 @@ export interface State {
   choices: Choices;
   /** The choices that `understanding` answers. */
   answered: Choices;
-  isDemo: boolean;
+  /** The sample whose files these are; null if they were given. */
+  sample: SampleName | null;
+  /** Settings of a link, for the files that will be given. */
+  linked: Choices | null;
   understanding: Understanding | null;
   experiment: Experiment | null;
   identified: Run | null;
+  /** Whether nothing of the result was saved. */
+  isUnsaved: boolean;
   /** Null if the last run had no remedy, or none before it. */
   changed: Changed | null;
   /** The answer of the last export. */
@@ -74,10 +79,12 @@ export const EMPTY: State = {
   files: [],
   choices: {},
   answered: {},
-  isDemo: false,
+  sample: null,
+  linked: null,
   understanding: null,
   experiment: null,
   identified: null,
+  isUnsaved: false,
   changed: null,
   exported: null,
   task: null,
@@ -87,7 +94,7 @@ export const EMPTY: State = {
 
 /** Whether the text is the user's own, so that choices do not affect it. */
 export function isOwnText(experiment: Experiment | null): boolean {
-  return experiment !== null && (experiment.origin === "edited" || experiment.origin === "given");
+  return experiment !== null && ["edited", "mended", "given"].includes(experiment.origin);
 }
 
 /** Whether the filter is being chosen or the robot identified: the inputs must not change. */
@@ -105,7 +112,7 @@ export function requestOf({ files, choices }: State): InitRequest {
 
 /** What is missing before anything can be identified. */
 export function missing({ understanding, experiment }: State): string | null {
-  if (experiment?.origin === "unfinished") return "Fill in the gain in experiment.toml.";
+  if (experiment?.origin === "unfinished") return "Fill in the gain, under Corrections or in experiment.toml.";
   if (experiment) return null;
   if (!understanding) return "Add a robot and its log.";
   if (!understanding.robot) return "Add the robot: a URDF or TOML file.";

@@ -23,5 +23,15 @@ export function seconds(value: number): string {
 
 /** A text with a capital letter and a full stop. */
 export function sentence(text: string): string {
-  return `${text.charAt(0).toUpperCase()}${text.slice(1)}.`;
+  return `${capital(text)}.`;
+}
+
+export function capital(text: string): string {
+  return `${text.charAt(0).toUpperCase()}${text.slice(1)}`;
+}
+
+/** A value with the half width of its interval, both to the second digit of that: "1.239 ± 0.032". */
+export function interval(value: number, half: number): string {
+  const digits = Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(half || 1))));
+  return `${value.toFixed(digits)} ± ${half.toFixed(digits)}`;
 }

@@ -53,13 +53,14 @@ function answerOf(session: Session, method: Method, args: unknown[], stage: (tex
     case "identify": return session.identify(first, stage);
     case "apply": return session.apply(first, second, third);
     case "changed": return session.changed(first, second);
-    case "demo": return session.demo();
+    case "sample": return session.sample(first);
     case "export": return session.export(first, second, third);
   }
 }
 
+/** The program's own words; without any, a trap is an allocation that the browser refused. */
 function panicOf(error: unknown): string {
-  return last_panic() || String(error);
+  return last_panic() || (error instanceof WebAssembly.RuntimeError ? `the browser gave no more memory (${error.message})` : String(error));
 }
 
 function reply(message: FromWorker): void {

@@ -9,8 +9,8 @@ import { pathToFileURL } from "node:url";
 import { brotliDecompressSync, gunzipSync } from "node:zlib";
 import { identify, openSite, REPOSITORY, SINGLE_FILE, takeDemo, visit } from "./site.mjs";
 
-/** Bytes of the wasm at most, as it is sent to browsers. */
-const LARGEST_WASM = 3e6;
+/** Bytes of the wasm at most, as it is sent to browsers: 3.25e6 with the causes of the model and the drivers. */
+const LARGEST_WASM = 3.4e6;
 /** Milliseconds until the first view at most. */
 const FIRST_VIEW = 1000;
 

@@ -121,11 +121,44 @@ test("a gain that no file holds is filled in by hand", async (t) => {
   writeFileSync(join(folder, "percent.csv"), percent);
   await choose(page, "Choose robot", [ARM]);
   await choose(page, "Choose logs", [join(folder, "percent.csv")]);
-  await status(page).filter({ hasText: "Fill in the gain in experiment.toml." }).waitFor();
+  await status(page).filter({ hasText: "Fill in the gain, under Corrections or in experiment.toml." }).waitFor();
   assert.equal(await page.getByRole("button", { name: "Identify" }).count(), 0);
   await page.getByRole("list", { name: "Findings" }).getByText("Fill in gain = [...], a number for each column").waitFor();
   const experiment = page.getByRole("textbox", { name: "experiment.toml" });
   await experiment.fill((await experiment.inputValue()).replace("gain = []", "gain = [100, 100, 100]"));
+  assert.match(await identify(page), /^Verdict: (good|use with care)/);
+  assertQuiet();
+});
+
+test("the drive gain, the controller and the methods are stated in fields", async (t) => {
+  const { page, assertQuiet, close } = await visit(site);
+  t.after(close);
+  const folder = folderOf(t, [ARM, join(REPOSITORY, "examples/arm/twin.toml")]);
+  thetahat(folder, "simulate", "twin.toml", "--out", "log.csv");
+  const log = readFileSync(join(folder, "log.csv"), "utf8");
+  writeFileSync(join(folder, "percent.csv"), log.replace(/torque_(\d)/g, "torque_$1 [%]"));
+  await choose(page, "Choose robot", [ARM]);
+  await choose(page, "Choose logs", [join(folder, "percent.csv")]);
+  await status(page).filter({ hasText: "Fill in the gain, under Corrections" }).waitFor();
+  await openFolds(page);
+  const experiment = page.getByRole("textbox", { name: "experiment.toml" });
+  const gain = page.getByLabel(/^Drive gain/);
+  await gain.fill("100, x");
+  await page.keyboard.press("Tab");
+  await page.getByRole("alert").filter({ hasText: "Numbers separated by commas" }).waitFor();
+  await gain.fill("100");
+  await page.keyboard.press("Tab");
+  await untilSays(experiment, /^torque = .*gain = 100/m);
+  await untilReady(page);
+  await page.getByLabel(/^Position gain/).fill("4000, 4000, 1000");
+  await page.keyboard.press("Tab");
+  await page.getByLabel(/^Velocity gain/).fill("100, 100, 20");
+  await page.keyboard.press("Tab");
+  await untilSays(experiment, /^\[controller\]\nlaw = "pd"\nposition_gain = \[4000, 4000, 1000\]\nvelocity_gain = \[100, 100, 20\]$/m);
+  await page.getByLabel("DIDIM").check();
+  await untilSays(experiment, /^methods = \["idim-wls", "idim-iv", "didim"\]$/m);
+  await page.getByLabel("DIDIM").uncheck();
+  await untilSays(experiment, /^methods = \["idim-wls", "idim-iv"\]$/m);
   assert.match(await identify(page), /^Verdict: (good|use with care)/);
   assertQuiet();
 });
@@ -164,7 +197,8 @@ test("all of it by keyboard", async (t) => {
   await untilReady(page);
   await tabTo(page, "Identify");
   await page.keyboard.press("Enter");
-  await page.frameLocator("iframe").getByRole("region", { name: "Verdict" }).waitFor();
+  // A run may take as long as in `identify`.
+  await page.frameLocator("iframe").getByRole("region", { name: "Verdict" }).waitFor({ timeout: 120e3 });
   assert.equal(await page.evaluate(() => document.activeElement.textContent), "Result", "the reader is led to the result");
   await tabTo(page, "results.json");
   assertQuiet();

@@ -5,7 +5,7 @@ import { copyFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { errorOf, folderOf, thetahat } from "./command.mjs";
-import { ARM, choose, identify, openSite, status, takeDemo, visit } from "./site.mjs";
+import { ARM, choose, identify, openSite, status, takeDemo, untilKept, untilReady, visit } from "./site.mjs";
 
 let site;
 before(async () => { site = await openSite(); });
@@ -63,15 +63,15 @@ test("work is cancelled, and begun again", async (t) => {
   assertQuiet();
 });
 
-test("a reload in the middle begins anew", async (t) => {
+test("a reload in the middle ends the work and keeps the files", async (t) => {
   const { page, assertQuiet, close } = await visit(site);
   t.after(close);
   await takeDemo(page);
+  await untilKept(page);
   await page.getByRole("button", { name: "Identify" }).click();
   await page.reload();
-  await page.getByRole("button", { name: "Try the demo" }).waitFor();
-  assert.equal(await page.getByRole("list", { name: "Files" }).count(), 0);
-  await takeDemo(page);
+  await untilReady(page);
+  assert.equal(await page.getByRole("list", { name: "Files" }).getByText("tx40.toml").count(), 1);
   assert.match(await identify(page), /^Verdict/);
   assertQuiet();
 });

@@ -40,8 +40,8 @@ export function differences(found, expected) {
   return { ...numbers, estimates, areNear, areSame: areNear && numbers.worst.deviation <= TOLERANCE };
 }
 
-/** Results without the figures of simulations. */
-function ofMeasurement({ runs, advice, verdict_reasons: reasons, diagnostics: _, ...others }) {
+/** Results without the figures of simulations, and of the model, whose search stops at a gap: its values are compared as estimates. */
+function ofMeasurement({ runs, advice, verdict_reasons: reasons, diagnostics: _, model: __, ...others }) {
   const measured = runs.filter(({ method }) => method === "idim-ls" || method === "idim-wls").map(withoutSimulation);
   return { ...others, runs: measured, taken: advice.map(({ take }) => take), reasons: reasons.map(({ code }) => code) };
 }
@@ -68,7 +68,7 @@ function compare(found, expected) {
 
 function scaleOf(place, values) {
   if (place.endsWith("p_value")) return 1;
-  return largestOf(values) * (place.endsWith("smallest_eigenvalue") ? 1000 : 1);
+  return largestOf(values) * (/\.physical\.|smallest_eigenvalue$/.test(place) ? 1000 : 1);
 }
 
 function largestOf(values) {
@@ -86,5 +86,16 @@ function deviationOfEstimates(found, expected) {
   if (found.verdict !== expected.verdict || found.runs.length !== expected.runs.length) return Infinity;
   const ofParameter = ({ name, estimate, standard_deviation: sigma }, other) => (name === other?.name ? Math.abs(estimate - other.estimate) / sigma : Infinity);
   const ofRun = ({ parameters }, run) => parameters.map((parameter, index) => ofParameter(parameter, found.runs[run].parameters[index]));
-  return Math.max(...expected.runs.flatMap(ofRun));
+  return Math.max(...expected.runs.flatMap(ofRun), deviationOfModels(found.model, expected.model));
+}
+
+/** The largest difference of two values of the models, in the standard deviations of their intervals; infinite where one has no model. */
+function deviationOfModels(found, expected) {
+  if (!found || !expected) return found === expected || !(found ?? expected) ? 0 : Infinity;
+  const ofParameter = ({ name, value, interval_95: interval }, index) => {
+    const other = found.parameters[index];
+    if (name !== other?.name) return Infinity;
+    return value === other.value ? 0 : Math.abs(value - other.value) / ((interval[1] - interval[0]) / (2 * 1.96));
+  };
+  return Math.max(0, ...expected.parameters.map(ofParameter));
 }

@@ -101,6 +101,11 @@ export async function saved(page, name) {
   return Buffer.concat(parts).toString("utf8");
 }
 
+/** Waits until what a reload finds again is that the page rests as it does: the pause of `kept.ts`, and the time to write. */
+export function untilKept(page) {
+  return page.waitForTimeout(1000);
+}
+
 /** Opens every fold of the page. */
 export function openFolds(page) {
   return page.evaluate(() => document.querySelectorAll("details").forEach((fold) => { fold.open = true; }));

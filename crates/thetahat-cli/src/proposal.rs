@@ -6,7 +6,7 @@ use std::{
 };
 
 use thetahat::{
-    experiment::{Driver, DriverError, Proposal, ProposalFiles, ProposalRequest, propose_for_motion},
+    experiment::{Driver, DriverError, Proposal, ProposalFiles, ProposalRequest, ProposedControl, propose_for_motion},
     recording::{Contents, RecordingError, inspect_with_time},
     robot::RobotSource,
 };
@@ -52,13 +52,16 @@ pub fn write_experiment(init: &Init) -> Result<Ending, Box<dyn Error>> {
     replace_file(&init.out, proposal.text().as_bytes())
         .map_err(|e| format!("{}: cannot be written: {e}", init.out.display()))?;
     let to_fill_in: String = proposal.to_fill_in().iter().map(|what| format!("To fill in: {what}\n")).collect();
+    let without_gains = |c: &ProposedControl| c.position_gain.is_empty() || c.velocity_gain.is_empty();
+    let is_without = proposal.control.as_ref().is_some_and(without_gains);
+    let options_of_gains = if is_without { "Or run init with --kp and --kd.\n" } else { "" };
     let of_driver: String = proposal.of_driver().iter().map(|what| format!("{what}\n")).collect();
     let not_used: String = proposal.not_used().iter().map(|what| format!("{what}\n")).collect();
     let read = contents.iter().flat_map(|c| c.notes.iter().map(|note| (c.file.display(), note)));
     let notes: String = read.map(|(file, note)| format!("{file}: {note}\n")).collect();
     let guesses: String = proposal.guesses().iter().map(|what| format!("Assumed: {what}\n")).collect();
     print(&format!(
-        "written: {out}\n{notes}{of_driver}{not_used}{guesses}{to_fill_in}Review it: assumptions are marked as guesses. Then:\n  thetahat check {out}{options}\n  \
+        "written: {out}\n{notes}{of_driver}{not_used}{guesses}{to_fill_in}{options_of_gains}Review it: assumptions are marked as guesses. Then:\n  thetahat check {out}{options}\n  \
          thetahat identify {out}{options}\n",
         out = init.out.display(),
         options = options_for(&files),

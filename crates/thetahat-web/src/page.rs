@@ -117,12 +117,12 @@ impl PageSession {
         to_js(self.0.changed(before, after))
     }
 
-    /// Puts the files of the demonstration into the folder, and returns its request and experiment.
+    /// Puts the files of a sample into the folder, and returns its request, and its experiment if it has one.
     ///
     /// # Errors
-    /// Infallible in practice.
-    pub fn demo(&mut self) -> Outcome<String> {
-        to_js(self.0.demo())
+    /// A sample of another name.
+    pub fn sample(&mut self, name: &str) -> Outcome<String> {
+        to_js(self.0.sample(name))
     }
 
     /// The identified robot of a `results.json` as a file.

@@ -5,6 +5,7 @@ use std::{
 
 use serde::Deserialize;
 use thetahat::{
+    Method,
     experiment::{ProposalFiles, ProposalRequest},
     recording::{Side, Unit},
 };
@@ -25,6 +26,11 @@ pub(crate) struct Request {
     side: Option<Side>,
     pub(crate) window_s: Option<[f64; 2]>,
     locked: BTreeMap<String, f64>,
+    /// Torque for 1 A, 1 V or 100 %, one for all joints or one for each.
+    gain: Vec<f64>,
+    position_gain: Vec<f64>,
+    velocity_gain: Vec<f64>,
+    methods: Vec<Method>,
 }
 
 impl Request {
@@ -58,6 +64,10 @@ impl Request {
             side: request.side,
             window_s: request.window_s.map_or([None; 2], |window| window.map(Some)),
             locked: request.locked,
+            torque_gain: request.gain,
+            position_gain: request.position_gain,
+            velocity_gain: request.velocity_gain,
+            methods: request.methods,
             ..ProposalRequest::default()
         })
     }

@@ -18,7 +18,7 @@ use thetahat_report::{
 };
 
 use crate::{
-    answers::{Demo, Exported, Identified, Understanding},
+    answers::{Exported, Identified, Sample, Understanding},
     budget,
     kind::Kind,
     request::Request,
@@ -167,16 +167,17 @@ impl Session {
         Ok(report::change_text(&read(before)?, &read(after)?, TextWidth::default()))
     }
 
-    /// Puts the files of the demonstration into the folder, and returns a request for [`Session::understand`] and its experiment.
+    /// Puts the files of a sample into the folder, `demo`, `arm`, `axis` or `exchanged`, and returns a request for
+    /// [`Session::understand`], and the experiment where the sample has its own.
     ///
     /// # Errors
-    /// Infallible in practice.
-    pub fn demo(&mut self) -> Outcome<String> {
-        let demo = Demo::new()?;
-        for (path, bytes) in demo.files {
+    /// A sample of another name.
+    pub fn sample(&mut self, name: &str) -> Outcome<String> {
+        let sample = Sample::named(name)?;
+        for (path, bytes) in sample.files {
             self.put(path, bytes)?;
         }
-        Ok(serde_json::to_string(&demo.answer)?)
+        Ok(serde_json::to_string(&sample.answer)?)
     }
 
     /// The identified robot of a `results.json` in a format, as the command `export` writes it.

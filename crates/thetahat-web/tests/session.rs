@@ -13,7 +13,7 @@ fn answer(text: &str) -> Value {
 fn the_demonstration_goes_the_whole_way() -> Outcome<()> {
     let folder = Folder::new();
     let mut session = Session::in_folder(folder.path());
-    let demo = answer(&session.demo()?);
+    let demo = answer(&session.sample("demo")?);
     let kinds = ["tx40.toml", "tx40_demo.csv"].map(|file| session.kind(file).unwrap());
     assert_eq!(kinds, ["robot", "recording"]);
     let understood = answer(&session.understand(&demo["request"].to_string())?);
@@ -97,6 +97,47 @@ fn a_gain_is_filled_in_by_hand() -> Outcome<()> {
     Ok(())
 }
 
+/// The samples can be identified as they are proposed; of the faulty one the fault is found, and has its remedy.
+#[test]
+fn samples_are_recorded() -> Outcome<()> {
+    for (name, joints, remedies) in
+        [("arm", 3, json!([])), ("axis", 1, json!([])), ("exchanged", 3, json!("joints-swapped-1-2"))]
+    {
+        let folder = Folder::new();
+        let mut session = Session::in_folder(folder.path());
+        let sample = answer(&session.sample(name)?);
+        let understood = answer(&session.understand(&sample["request"].to_string())?);
+        assert_eq!(understood["proposal_error"], Value::Null, "{name}");
+        assert_eq!(understood["proposal"]["joints"].as_array().map(Vec::len), Some(joints), "{name}");
+        let found =
+            understood["remedies"].as_array().unwrap().first().map_or(json!([]), |remedy| remedy["code"].clone());
+        assert_eq!(found, remedies, "{name}");
+    }
+    let folder = Folder::new();
+    let error = Session::in_folder(folder.path()).sample("other").unwrap_err();
+    assert!(error.to_string().contains("demo, arm, axis and exchanged"), "{error}");
+    Ok(())
+}
+
+/// Gains and methods of a request stand in the proposal.
+#[test]
+fn gains_and_methods_of_a_request_are_proposed() -> Outcome<()> {
+    let folder = Folder::new();
+    let mut session = Session::in_folder(folder.path());
+    let mut request = answer(&session.sample("arm")?)["request"].clone();
+    request["methods"] = json!(["idim-wls", "didim"]);
+    request["position_gain"] = json!([4000.0]);
+    request["velocity_gain"] = json!([100.0]);
+    request["gain"] = json!([2.0]);
+    let proposal = answer(&session.understand(&request.to_string())?)["proposal"].clone();
+    assert_eq!(proposal["gain"], json!([2.0]));
+    let toml = proposal["toml"].as_str().unwrap();
+    assert!(toml.contains("methods = [\"idim-wls\", \"didim\"]") && toml.contains("position_gain = 4000"), "{toml}");
+    request["methods"] = json!(["idim"]);
+    assert!(session.understand(&request.to_string()).unwrap_err().to_string().contains("expected one of idim-ls"));
+    Ok(())
+}
+
 /// Requests that are not of the form, and files that are not there, are errors.
 #[test]
 fn what_cannot_be_done_is_an_error() -> Outcome<()> {
@@ -117,7 +158,7 @@ fn what_cannot_be_done_is_an_error() -> Outcome<()> {
 fn a_remedy_is_applied_to_the_experiment() -> Outcome<()> {
     let folder = Folder::new();
     let mut session = Session::in_folder(folder.path());
-    let mut request = answer(&session.demo()?)["request"].clone();
+    let mut request = answer(&session.sample("demo")?)["request"].clone();
     request["torque"] = json!(["torque_2", "torque_1", "torque_3", "torque_4", "torque_5", "torque_6"]);
     let understood = answer(&session.understand(&request.to_string())?);
     let finding = understood["findings"].as_array().unwrap().iter().find(|f| f["code"] == "joints-swapped").unwrap();

@@ -5,6 +5,7 @@ import type { App } from "../app";
 import { assignmentOf, choicesOf, columnNames, type Assignment, type JointColumns } from "../columns";
 import type { ProposalAnswer, Side, Understanding } from "../contract";
 import { isAtWork, isOwnText, type State } from "../state";
+import { Estimation } from "./Estimation";
 
 const POSITION_UNITS = ["rad", "mrad", "deg", "rev", "m", "mm", "um"];
 const TORQUE_UNITS = ["N m", "mN m", "kN m", "N", "kN", "A", "mA", "V", "mV", "%"];
@@ -22,7 +23,7 @@ export function Choices({ state, app, understanding }: Props) {
   isOpen.current ||= proposal === null;
   return (
     <details class="section" open={isOpen.current}>
-      <summary><h2>Corrections</h2><span class="hint">columns, units, side, locked joints</span></summary>
+      <summary><h2>Corrections</h2><span class="hint">columns, units, side, gains, controller, methods, locked joints</span></summary>
       {isOwnText(state.experiment) ? <OwnText app={app} hasProposal={(proposal ?? unfinished) !== null} /> : <Fields state={state} app={app} understanding={understanding} />}
     </details>
   );
@@ -45,6 +46,10 @@ function Fields({ state, app, understanding }: Props) {
       <fieldset disabled={isBusy}>
         <legend class="unseen">Units and side</legend>
         <Signals state={state} app={app} proposal={proposal} />
+      </fieldset>
+      <fieldset disabled={isBusy}>
+        <legend class="unseen">Gains, controller and methods</legend>
+        <Estimation state={state} app={app} proposal={proposal} />
       </fieldset>
       <Columns state={state} app={app} understanding={understanding} />
       <p class="buttons">

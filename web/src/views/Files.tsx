@@ -2,10 +2,12 @@
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { GivenFile } from "../app";
-import type { Kind } from "../contract";
+import type { Kind, SampleName } from "../contract";
 import { droppedFiles } from "../dropped";
 import type { ListedFile } from "../state";
-import { count, size } from "../words";
+import { size } from "../words";
+import { SAMPLE_NOTES, Samples } from "./Samples";
+import { ShareLink } from "./ShareLink";
 import type { View } from "./Page";
 
 const ROBOTS = ".urdf,.xml,.toml";
@@ -30,13 +32,16 @@ export function Files({ state, app }: View) {
         <p class="buttons">
           <FileButton label="Choose robot" accept={ROBOTS} take={(files) => app.add(files)} />
           <FileButton label="Choose logs" accept={LOGS} take={(files) => app.add(files)} />
-          <button type="button" onClick={() => app.demo()}>Try the demo</button>
+          {!isEmpty && <button type="button" onClick={() => app.sample("demo")}>Try the demo</button>}
           {!isEmpty && <button type="button" onClick={() => app.startAnew()}>Start over</button>}
+          {!isEmpty && <ShareLink state={state} app={app} />}
         </p>
         {isEmpty && <Accepted />}
       </div>
-      {state.problem?.at === "read" && <p class="error" role="alert">{state.problem.message}</p>}
-      {!isEmpty && <List files={state.files} isDemo={state.isDemo} remove={(path) => app.remove(path)} />}
+      {isEmpty && state.linked && <p class="note">The settings of the link are used for the files that you add. <button type="button" onClick={() => app.startAnew()}>Without them</button></p>}
+      {state.problem && (state.problem.at === "read" || (state.problem.at === "understand" && !state.understanding)) && <p class="error" role="alert">{state.problem.message}</p>}
+      {isEmpty && <Samples state={state} app={app} />}
+      {!isEmpty && <List files={state.files} sample={state.sample} remove={(path) => app.remove(path)} />}
     </section>
   );
 }
@@ -85,18 +90,18 @@ function FileButton({ label, accept, take }: { label: string; accept: string; ta
   );
 }
 
-function List({ files, isDemo, remove }: { files: ListedFile[]; isDemo: boolean; remove: (path: string) => void }) {
+function List({ files, sample, remove }: { files: ListedFile[]; sample: SampleName | null; remove: (path: string) => void }) {
   return (
     <ul class="files" aria-label="Files">
       {files.map((file) => (
         <li key={file.path}>
           <span class="name">{file.path}</span>
           <span class="kind">{file.kind === null ? "not read" : KINDS[file.kind]}{file.bytes > 0 && `, ${size(file.bytes)}`}</span>
-          {!isDemo && <button type="button" aria-label={`Remove ${file.path}`} onClick={() => remove(file.path)}>Remove</button>}
+          {!sample && <button type="button" aria-label={`Remove ${file.path}`} onClick={() => remove(file.path)}>Remove</button>}
           {file.error && <p class="error" role="alert">{file.error}</p>}
         </li>
       ))}
-      {isDemo && <li class="note">A simulated Staubli TX40 with known parameters, recorded with noise: {count(files.length, "file")}.</li>}
+      {sample && <li class="note">{SAMPLE_NOTES[sample]}</li>}
     </ul>
   );
 }

@@ -12,7 +12,7 @@ const ORDER: Severity[] = ["problem", "warning", "guess", "note"];
 
 export function Findings({ state, app, understanding, problem }: View & { understanding: Understanding; problem: string | null }) {
   const findings = allFindings(understanding, problem);
-  if (findings.length === 0) return <p class="fine">No problems found.</p>;
+  if (findings.length === 0) return isRead(understanding) ? <p class="fine">No problems found.</p> : null;
   const isOfSeveral = new Set(understanding.findings.map(({ recording }) => recording)).size > 1;
   return (
     <ul class="findings" aria-label="Findings">
@@ -28,6 +28,11 @@ export function Findings({ state, app, understanding, problem }: View & { unders
       ))}
     </ul>
   );
+}
+
+/** Whether all files were read and checked: without that, no finding says nothing. */
+function isRead({ robot_error: failed, recording_errors: errors, proposal }: Understanding): boolean {
+  return failed === null && errors.length === 0 && proposal !== null;
 }
 
 function allFindings({ robot, proposal, proposal_error: failed, findings }: Understanding, problem: string | null): Finding[] {

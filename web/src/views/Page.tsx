@@ -9,6 +9,10 @@ import { Files } from "./Files";
 import { Result } from "./Result";
 import { Understood } from "./Understood";
 
+/** The version and the address of the source; esbuild sets both from Cargo.toml. */
+declare const VERSION: string;
+declare const REPOSITORY: string;
+
 export interface View {
   state: State;
   app: App;
@@ -33,7 +37,13 @@ export function Page({ state, app }: View) {
         <Result state={state} app={app} />
       </main>
       <footer>
-        <p>thetahat, MIT or Apache-2.0. The same program runs as a command, for recordings of any length.</p>
+        <p>thetahat {VERSION}, MIT or Apache-2.0. The same program runs as a command, for recordings of any length.</p>
+        <ul class="links" aria-label="Links">
+          <li><a href={`${REPOSITORY}/blob/main/docs/manual/browser.md`}>How to use this page</a></li>
+          <li><a href={`${REPOSITORY}/blob/main/docs/README.md`}>Documentation</a></li>
+          <li><a href={REPOSITORY}>Source</a></li>
+          <li><a href={`${REPOSITORY}/blob/main/CHANGELOG.md`}>Changes</a></li>
+        </ul>
       </footer>
       <Bar state={state} app={app} />
     </>

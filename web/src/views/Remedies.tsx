@@ -1,7 +1,10 @@
 // Remedies that are settings: a button for each, and what the last one changed.
 
+import { useState } from "preact/hooks";
 import type { Remedy } from "../contract";
+import { capital } from "../words";
 import type { View } from "./Page";
+import { Report } from "./Report";
 
 /** Applies a remedy and identifies again. */
 export function RemedyButton({ state, app, remedies, remedy }: View & { remedies: Remedy[]; remedy: Remedy }) {
@@ -18,11 +21,13 @@ export function Remedies({ state, app }: View) {
   const remedies = state.identified?.results.remedies ?? [];
   // A remedy is of the text that was identified: in another one it may be there already.
   if (remedies.length === 0 || state.identified?.experiment !== state.experiment?.text) return null;
+  // Of a good result they only improve it.
+  const severity = state.identified?.results.verdict === "good" ? "note" : "warning";
   return (
     <ul class="findings" aria-label="Remedies">
       {remedies.map((remedy) => (
-        <li key={remedy.code} class="finding" data-severity="warning">
-          <p>{remedy.found} <span class="code">[{remedy.code}]</span></p>
+        <li key={remedy.code} class="finding" data-severity={severity}>
+          <p>{capital(remedy.found)}</p>
           <RemedyButton state={state} app={app} remedies={remedies} remedy={remedy} />
         </li>
       ))}
@@ -30,9 +35,20 @@ export function Remedies({ state, app }: View) {
   );
 }
 
-/** What the last remedy changed against the run before. */
+/** What the last remedy changed against the run before, and the report of that run. */
 export function Change({ state: { changed } }: Pick<View, "state">) {
-  return changed && <pre class="changed" tabIndex={0} role="region" aria-label={`Change by: ${changed.label}`}>{changed.text}</pre>;
+  const [isOpen, setOpen] = useState(false);
+  if (!changed) return null;
+  return (
+    <div class="after">
+      <h3>{changed.label}: done</h3>
+      <pre class="changed" tabIndex={0} role="region" aria-label={`Change by: ${changed.label}`}>{changed.text}</pre>
+      <details onToggle={(event) => setOpen(event.currentTarget.open)}>
+        <summary>The report before</summary>
+        {isOpen && <Report html={changed.before.report} title="The report before" />}
+      </details>
+    </div>
+  );
 }
 
 function changesOf({ changes }: Remedy): string {

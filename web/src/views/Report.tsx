@@ -3,12 +3,12 @@
 
 import { useEffect, useMemo, useRef } from "preact/hooks";
 
-export function Report({ html }: { html: string }) {
+export function Report({ html, title = "Report" }: { html: string; title?: string }) {
   const frame = useRef<HTMLIFrameElement>(null);
   const url = useMemo(() => URL.createObjectURL(new Blob([html], { type: "text/html" })), [html]);
   useEffect(() => () => URL.revokeObjectURL(url), [url]);
   return (
-    <iframe ref={frame} class="report" title="Report" src={url} allow="clipboard-write" onLoad={() => frame.current && follow(frame.current)} />
+    <iframe ref={frame} class="report" title={title} src={url} allow="clipboard-write" onLoad={() => frame.current && follow(frame.current)} />
   );
 }
 

@@ -2,7 +2,6 @@
 
 import { useEffect, useRef } from "preact/hooks";
 import type { Verdict } from "../contract";
-import { save } from "../save";
 import type { ExportFormat, Run } from "../state";
 import type { View } from "./Page";
 import { Change, Remedies } from "./Remedies";
@@ -25,7 +24,7 @@ export function Result({ state, app }: View) {
   if (problem && (problem.at === "identify" || problem.at === "propose" || problem.at === "apply")) {
     return (
       <section id="result" aria-labelledby="result-title">
-        <h2 id="result-title">Result</h2>
+        <Title key={problem.message} />
         <p class="error" role="alert">{problem.message}</p>
       </section>
     );
@@ -61,7 +60,7 @@ function Downloads({ state, app, run }: View & { run: Run }) {
       <p class="buttons">
         <span>Save</span>
         {files.map(([name, text]) => (
-          <button type="button" key={name} onClick={() => save(name, text)}>{name}</button>
+          <button type="button" key={name} onClick={() => app.save(name, text)}>{name}</button>
         ))}
       </p>
       <p class="buttons">
@@ -78,14 +77,14 @@ function Downloads({ state, app, run }: View & { run: Run }) {
 }
 
 /** The remarks on the export, and its files. */
-function Exported({ state, run }: View & { run: Run }) {
+function Exported({ state, app, run }: View & { run: Run }) {
   const { format, answer } = state.exported!;
   const name = `${run.results.robot}.${new Map(FORMATS).get(format)}`;
   return (
     <div class="exported">
       <p class="buttons">
-        <button type="button" onClick={() => save(name, answer.file)}>{name}</button>
-        {answer.covariance && <button type="button" onClick={() => save(`${name}.covariance.json`, answer.covariance!)}>{name}.covariance.json</button>}
+        <button type="button" onClick={() => app.save(name, answer.file)}>{name}</button>
+        {answer.covariance && <button type="button" onClick={() => app.save(`${name}.covariance.json`, answer.covariance!)}>{name}.covariance.json</button>}
       </p>
       <pre tabIndex={0} role="region" aria-label="Remarks on the export">{answer.text}</pre>
     </div>

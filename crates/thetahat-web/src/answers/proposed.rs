@@ -20,6 +20,8 @@ pub(super) struct ProposalAnswer {
     position: Columns,
     torque: Columns,
     locked: Vec<Lock>,
+    /// Torque for 1 A, 1 V or 100 % where it is known, one for all joints or one for each.
+    gain: Vec<f64>,
 }
 
 /// The columns of a signal, one for each joint.
@@ -66,10 +68,15 @@ impl ProposalAnswer {
             time: first.clock.time.as_ref().and_then(|time| time.columns.first().cloned()),
             position: signal("position"),
             torque: signal("torque"),
+            gain: first.channels.iter().find(|(signal, _)| *signal == "torque").map(gain_of).unwrap_or_default(),
             locked: proposal.locks.iter().map(|l| Lock { name: l.joint.clone(), value: l.value }).collect(),
             joints,
         }
     }
+}
+
+fn gain_of((_, channels): &(&str, ProposedChannels)) -> Vec<f64> {
+    channels.factor.as_ref().map(|factor| factor.given().to_vec()).unwrap_or_default()
 }
 
 impl Columns {

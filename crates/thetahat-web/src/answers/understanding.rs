@@ -105,7 +105,7 @@ impl Understanding {
         let to_fill_in = proposal.to_fill_in();
         if !to_fill_in.is_empty() {
             self.unfinished = Some(proposal.text());
-            return Err(to_fill_in.join(" ").into());
+            return Err(format!("{} Or state it under Corrections.", to_fill_in.join(" ")).into());
         }
         let path = Path::new("the proposed experiment");
         let experiment = Experiment::from_texts(path, proposal.text(), source.to_text())?;

@@ -1,6 +1,6 @@
 //! The controller of a log without torques: CLOE fits the positions that it gives.
 
-use super::{request::ProposalRequest, source::Source};
+use super::{request::ProposalRequest, source::Source, stated::controller};
 use crate::{
     experiment::{column_names, driver::DriverController},
     preparation::describes_links,
@@ -59,11 +59,6 @@ fn constant(source: &Source<'_>, names: &[&str], joints: usize) -> Option<Vec<f6
 impl ProposedControl {
     /// The tables `[estimation]` and `[controller]` of the experiment file.
     pub(super) fn text(&self) -> String {
-        let gains = |gains: &[f64]| match gains {
-            [] => "[]".to_owned(),
-            [one] => one.to_string(),
-            several => format!("[{}]", several.iter().map(f64::to_string).collect::<Vec<_>>().join(", ")),
-        };
         let desired = match &self.desired_torques[..] {
             [] => String::new(),
             names => format!(
@@ -72,12 +67,9 @@ impl ProposedControl {
             ),
         };
         format!(
-            "{desired}{}[estimation]\nmethods = [\"cloe\"]\n\n\
-             # u = position_gain (reference - position) - velocity_gain velocity, in N m at the joint.\n[controller]\nlaw = \"pd\"\n\
-             position_gain = {}\nvelocity_gain = {}\n",
+            "{desired}{}[estimation]\nmethods = [\"cloe\"]\n\n{}",
             self.what_is_estimated(),
-            gains(&self.position_gain),
-            gains(&self.velocity_gain),
+            controller(&self.position_gain, &self.velocity_gain),
         )
     }
 
@@ -97,7 +89,7 @@ impl ProposedControl {
         let missing = self.position_gain.is_empty() || self.velocity_gain.is_empty();
         missing.then(|| {
             "The log has no torque: the gains of the controller are needed. Fill in position_gain (N m/rad) and velocity_gain \
-             (N m s/rad) of [controller], or run init with --kp and --kd."
+             (N m s/rad) of [controller]."
                 .to_owned()
         })
     }

@@ -15,6 +15,7 @@
 //! | `grouping` | which files are of one recording |
 //! | `written`, `unit_names` | the units that names say, of a column and of each channel |
 //! | `gains` | what a gain is to hold, where a unit is no torque |
+//! | `stated` | methods, and gains of the torques and of the controller, as the user states them |
 //! | `control` | the controller of a log without torques |
 //! | `units` | units and sides, by names and ranges |
 //! | `clock` | times or a rate |
@@ -40,6 +41,7 @@ mod recordings;
 mod request;
 mod source;
 mod standing;
+mod stated;
 mod text;
 mod unit_names;
 mod units;

@@ -12,6 +12,7 @@ use super::{
     request::ProposalRequest,
     source::{SelectedColumn, Source},
     standing::standing,
+    stated::{Stated, with_torque_gain},
     text::{Proposal, ProposedChannels, ProposedRecording, ProposedSignal},
     unit_names::Misfit,
     units::{Measured, Units, range},
@@ -93,6 +94,7 @@ fn proposed(
         control: groups.iter().any(|g| g.torque.is_none()).then(|| control(request, &sources, robot)),
         driver: of_driver::proposed(request, &sources, &recordings),
         recordings,
+        stated: Stated::of(request),
         signal: ProposedSignal::usual(rate_hz).with_window(request.window_s),
     };
     Ok((proposal, standing(request, &joints, &offers, &groups)))
@@ -148,7 +150,8 @@ impl<'a> Describer<'_, 'a> {
         if let Some(t) = self.group.torque.map(|torque| &self.offers[torque]) {
             let torque = t.torque.as_deref().unwrap_or_default();
             let of_torque = self.units(t).of_torque(torque, &unit)?;
-            channels.push(("torque", self.described(Signal::Torque, t, torque, &of_torque)));
+            let described = self.described(Signal::Torque, t, torque, &of_torque);
+            channels.push(("torque", with_torque_gain(self.request, described)));
         }
         if let Some((offer, reference)) = self.other(|o| o.reference.as_deref()) {
             channels.push(("reference", self.reference_of(offer, reference, position, &unit)));

@@ -2,6 +2,7 @@ use std::{collections::BTreeMap, path::PathBuf};
 
 use crate::experiment::driver::Driver;
 use thetahat_data::recording::{Side, Unit};
+use thetahat_estimation::identification::Method;
 
 /// The files of a proposal, and what the user has stated.
 #[derive(Debug, Clone, Default)]
@@ -30,8 +31,12 @@ pub struct ProposalRequest {
     pub side: Option<Side>,
     /// Gains of the position controller, one for all motors or one for each, N m/rad: for a log without torques.
     pub position_gain: Vec<f64>,
-    /// Gains of its velocity, N m s/rad, likewise.
+    /// Gains of its velocity, N m s/rad, likewise. In a log with torques both describe the simulated loop.
     pub velocity_gain: Vec<f64>,
+    /// Gains of the torques, one for all channels or one for each: N m for 1 A, 1 V or 100 %, where the unit is no torque.
+    pub torque_gain: Vec<f64>,
+    /// The methods of a log with torques; if empty, the usual ones.
+    pub methods: Vec<Method>,
     /// Start and end of the window, s; `None` for the moving part.
     pub window_s: [Option<f64>; 2],
     /// Joints that do not move, by name, and their coordinates, rad or m, in addition to those without torques in the log.

@@ -2,6 +2,7 @@ use std::path::Path;
 
 use super::*;
 use thetahat_data::recording::{Side, Unit, inspect_with_time};
+use thetahat_estimation::identification::Method;
 use thetahat_model::robot::RobotSource;
 
 const ARM: &str = "name = 'arm'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n[[joint]]\nname = 'b'\nkind = 'revolute'\n";
@@ -562,9 +563,30 @@ fn a_log_without_torques_is_for_cloe() {
     assert!(text.contains("des_torque_1 des_torque_2: desired torques"), "{text}");
     let open = proposed_from(&[("log.csv", header)], request(), ARM).unwrap();
     let open = open.with_chosen_filter(ARM.to_owned(), Path::new("."), 1).unwrap();
-    assert!(open.to_fill_in().join(" ").contains("--kp and --kd"), "{:?}", open.to_fill_in());
+    assert!(open.to_fill_in().join(" ").contains("Fill in position_gain"), "{:?}", open.to_fill_in());
     let error = proposed("t,q1,q2,target_moment_1,target_moment_2", request()).unwrap_err().to_string();
     assert!(error.contains("target_moment_1 target_moment_2 hold desired torques"), "{error}");
+}
+
+/// Gains of the torques, methods and a controller that are stated stand in the text, and it is an experiment.
+#[test]
+fn what_is_stated_of_the_estimation_is_written() {
+    let stated = ProposalRequest {
+        torque_gain: vec![0.5, 0.25],
+        methods: vec![Method::IDIM_WLS, Method::DIDIM],
+        position_gain: vec![60.0],
+        velocity_gain: vec![2.0, 3.0],
+        ..request()
+    };
+    let header = "t,q1,q2,i1 [A],i2 [A]";
+    let text = proposed(header, ProposalRequest { torque: vec!["i1 [A]".into(), "i2 [A]".into()], ..stated }).unwrap();
+    let experiment = super::super::Experiment::from_texts(Path::new("e.toml"), text.clone(), ARM.to_owned()).unwrap();
+    assert_eq!(experiment.settings.estimation.methods, [Method::IDIM_WLS, Method::DIDIM]);
+    assert!(text.contains("gain = [0.5, 0.25]") && !text.contains("Fill in"), "{text}");
+    assert!(text.contains("[controller]\nlaw = \"pd\"\nposition_gain = 60\nvelocity_gain = [2, 3]\n"), "{text}");
+    let half = ProposalRequest { position_gain: vec![60.0], ..request() };
+    let half = proposed_from(&[("log.csv", "t,q1,q2,tau1,tau2")], half, ARM).unwrap();
+    assert!(half.to_fill_in().join(" ").contains("both gains"), "{:?}", half.to_fill_in());
 }
 
 /// Links are taken as described where the description gives them.

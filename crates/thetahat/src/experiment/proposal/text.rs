@@ -1,6 +1,6 @@
 use std::{fmt::Write as _, path::PathBuf};
 
-use super::{control::ProposedControl, joints::ProposedLock};
+use super::{control::ProposedControl, joints::ProposedLock, stated::Stated};
 use thetahat_data::recording::{Side, Unit};
 use thetahat_ground::{one_or_each::OneOrEach, output::PROPOSAL, visible::visible};
 use thetahat_report::results::{Filter, FilterChoice};
@@ -10,11 +10,6 @@ const GUESS: &str = "a guess";
 
 /// Columns that are left out and shown by name.
 const SHOWN: usize = 8;
-
-/// The methods where torques are recorded.
-const OF_TORQUES: &str = "\n# Rows are weighted by joint. IDIM-IV tests IDIM-WLS; without [controller] it simulates a guess of the closed loop, which is \
-     enough for it. With\n# the controller's law in [controller] (docs/reference/experiments.md) \"didim\" can be added.\n\
-     [estimation]\nmethods = [\"idim-wls\", \"idim-iv\"]\nweighting = { idim-iv = \"per-joint\" }\n";
 
 /// An experiment as it is proposed. [`Proposal::text`] is its file.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +32,7 @@ pub struct Proposal {
     pub recordings: Vec<ProposedRecording>,
     /// Filters, decimation and window.
     pub signal: ProposedSignal,
+    pub(super) stated: Stated,
 }
 
 /// What is known of the driver that wrote the log.
@@ -191,7 +187,7 @@ impl Proposal {
         let head = if self.recordings.len() == 1 { "[recording]" } else { "[[recording]]" };
         self.recordings.iter().for_each(|recording| text += &format!("\n{head}\n{}", recording.text()));
         text += &self.signal.text();
-        text += &self.control.as_ref().map_or_else(|| OF_TORQUES.to_owned(), ProposedControl::text);
+        text += &self.control.as_ref().map_or_else(|| self.stated.text(), ProposedControl::text);
         text
     }
 
@@ -214,7 +210,7 @@ impl Proposal {
         let channels = self.recordings.iter().flat_map(|recording| &recording.channels);
         let mut sentences: Vec<String> = channels.filter_map(|(_, channels)| channels.gain.clone()).collect();
         sentences.dedup();
-        sentences.extend(self.control.as_ref().and_then(ProposedControl::to_fill_in));
+        sentences.extend(self.control.as_ref().map_or_else(|| self.stated.to_fill_in(), ProposedControl::to_fill_in));
         sentences
     }
 

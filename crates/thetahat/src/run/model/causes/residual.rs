@@ -149,16 +149,22 @@ impl Residual {
     }
 
     /// The column of a cause outside others of its kind, which may be there too, and how many they are with it; none if it is
-    /// alone or the motion does not separate it from them.
+    /// alone or the motion does not separate it from them. Those that no motion shows are left out.
     pub(super) fn column_with_others(&self, candidate: usize) -> Option<(Vec<f64>, usize)> {
         let together = self.candidates.iter().find(|c| c.cause.members.contains(&candidate))?;
-        let others: Vec<usize> = together.cause.members.iter().copied().filter(|&k| k != candidate).collect();
+        // What no motion shows leaves rounding errors, which made as long as the others would hide a random direction.
+        let is_shown = |k: &usize| norm(self.column(*k)) > SEEN * self.candidates[*k].sizes[0];
+        let others: Vec<usize> =
+            together.cause.members.iter().copied().filter(|&k| k != candidate).filter(is_shown).collect();
+        if others.is_empty() {
+            return Some((self.column(candidate).to_vec(), 1));
+        }
         let columns: Vec<f64> = others.iter().flat_map(|&k| self.candidates[k].columns.column(0).to_vec()).collect();
         let factor = PivotedQr::with_equal_columns(&Matrix::from_columns(self.rest.len(), columns));
         let own = self.column(candidate);
         let rest = outside(&leading(&factor, factor.rank(OWN_RANK)), own);
         let is_seen = norm(&rest) > OWN_RANK * norm(own);
-        is_seen.then_some((rest, together.cause.members.len()))
+        is_seen.then_some((rest, others.len() + 1))
     }
 
     /// What a cause explains is explained from now on.
