@@ -330,7 +330,7 @@ impl Experiment {
         let of_settings = |source| ExperimentError::Preparation { path: path.to_owned(), source };
         let settings = settings.for_robot(&robot).map_err(of_settings)?;
         file.twin.iter_mut().for_each(|twin| twin.repeat_for(robot.coordinate_count()));
-        let robot_files = [Some(source.path()), source.urdf_path()].into_iter().flatten().map(Path::to_owned).collect();
+        let robot_files = source.paths().to_vec();
         let robot_hashes = source.files();
         let experiment =
             Self { path: path.to_owned(), file, settings, text, robot, robot_text, robot_files, robot_hashes };

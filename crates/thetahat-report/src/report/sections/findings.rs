@@ -22,11 +22,15 @@ pub fn findings_text(recordings: &[RecordingFindings], width: TextWidth) -> Stri
         if recordings.len() > 1 {
             text += &wrap(&format!("{}:", name(recording)), "", width);
         }
+        let cause = recording.findings.iter().find(|f| f.severity != Severity::Note && !f.code.is_consequence());
         for group in groups(&recording.findings) {
             let first = group[0];
             text +=
                 &wrap(&format!("{} [{}] {}", label(first.severity), first.code, seen_together(&group)), "  ", width);
             text += &wrap(&format!("-> {}", first.remedy), "     ", width);
+            if let Some(cause) = cause.filter(|_| first.code.is_consequence()) {
+                text += &wrap(&format!("{} first: this may be a consequence of it", cause.code), "     ", width);
+            }
         }
     }
     text

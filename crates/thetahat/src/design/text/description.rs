@@ -95,6 +95,8 @@ pub struct Design {
     pub robot: Robot,
     /// Where its description is.
     pub robot_path: PathBuf,
+    /// The files that it was read from.
+    pub(in crate::design) robot_files: Vec<PathBuf>,
     /// How the recording will be identified.
     pub settings: Settings,
     /// The noise of its torques.
@@ -125,11 +127,13 @@ impl Design {
         let tables: toml::Table = toml::from_str(text).map_err(refuse)?;
         let robot_path = path.parent().unwrap_or(Path::new("")).join(&file.robot);
         let locks = Locks { locked: file.locked.clone(), until: Vec::new() };
-        let robot = RobotSource::read(&robot_path)?.robot_with_locks(&locks, path)?;
+        let source = RobotSource::read(&robot_path)?;
+        let robot = source.robot_with_locks(&locks, path)?;
         let refuse = |source| DesignError::Preparation { path: path.to_owned(), source };
         let settings = settings(&file).for_robot(&robot).map_err(refuse)?;
         let noise = TorqueNoise::default();
-        let design = Self { path: path.to_owned(), tables, robot, robot_path, settings, noise, file };
+        let robot_files = source.paths().to_vec();
+        let design = Self { path: path.to_owned(), tables, robot, robot_path, robot_files, settings, noise, file };
         design.validate()?;
         Ok(Self { noise: design.torque_noise()?, ..design })
     }
@@ -137,8 +141,9 @@ impl Design {
     /// Every file that the design reads.
     #[must_use]
     pub fn input_files(&self) -> Vec<PathBuf> {
-        [self.path.clone(), self.robot_path.clone()]
+        [self.path.clone()]
             .into_iter()
+            .chain(self.robot_files.iter().cloned())
             .chain(self.prior_files())
             .chain(self.compared_files())
             .chain(self.noise_file())
