@@ -285,7 +285,7 @@ fn positions_and_torques_of_different_length() {
 fn one_row() {
     let case = Case::valid();
     case.write("record.csv", "t,q1,tau1\n0,0,1\n");
-    case.is_refused(&["experiment.toml", "[signal]", "cutoff_hz", "periods in the recording"]);
+    case.is_refused(&["experiment.toml", "[signal]", "cutoff_hz", "periods fit into"]);
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn dependent(exam: &mut Examination<'_>, fit: &OrthogonalFit, columns: &Matrix, 
         let list: Vec<String> = lost.iter().map(phrase).collect();
         let message =
             format!("the motion does not separate {} parameters from the others: {}", lost.len(), list.join(", "));
-        let remedy = "move these joints faster and in other configurations, or leave these parameters out: exclude in [parameters]";
+        let remedy = "move these joints faster and in other configurations, or leave these parameters out by exclude = [...] in [parameters]";
         FindingText::new(message, remedy).about(owned(names, &lost))
     });
 }
@@ -91,7 +91,7 @@ fn confounded(exam: &mut Examination<'_>, columns: &Matrix, names: &[&str]) {
         let list: Vec<String> = worst.iter().map(|&c| format!("{} (with {})", names[c], partners(c))).collect();
         let message =
             format!("the motion hardly separates {} parameters from others: {}", worst.len(), list.join(", "));
-        let remedy = "move these joints in other configurations and at other speeds, or leave these parameters out: exclude in [parameters]";
+        let remedy = "move these joints in other configurations and at other speeds, or leave these parameters out by exclude = [...] in [parameters]";
         FindingText::new(message, remedy).about(owned(names, &worst))
     });
 }

@@ -76,7 +76,7 @@ fn still_periods(exam: &mut Examination<'_>, signals: &Signals) {
         } else {
             (
                 "there the sign of the velocity is noise",
-                "leave them out by mask = \"near-rest\" in [signal], or set window_start_s and window_end_s to the moving part",
+                "leave them out by mask = \"near-rest\" in [signal], or set window_start_s and window_end_s there to the moving part",
             )
         };
         let longest = rests.iter().max_by_key(|r| r.len()).cloned().unwrap_or(0..0);

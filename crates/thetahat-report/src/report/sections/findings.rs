@@ -29,7 +29,7 @@ pub fn findings_text(recordings: &[RecordingFindings], width: TextWidth) -> Stri
                 &wrap(&format!("{} [{}] {}", label(first.severity), first.code, seen_together(&group)), "  ", width);
             text += &wrap(&format!("-> {}", first.remedy), "     ", width);
             if let Some(cause) = cause.filter(|_| first.code.is_consequence()) {
-                text += &wrap(&format!("{} first: this may be a consequence of it", cause.code), "     ", width);
+                text += &wrap(&format!("see to {} first: this may be a consequence of it", cause.code), "     ", width);
             }
         }
     }

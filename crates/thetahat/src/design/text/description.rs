@@ -17,7 +17,7 @@ use crate::preparation::{
     EstimationOptions, ParameterSelection, Payload, PreparationError, Settings, SignalOptions, SimulationOptions,
 };
 use thetahat_estimation::control::ControllerDescription;
-use thetahat_ground::files;
+use thetahat_ground::{files, syntax::in_plain_words};
 use thetahat_model::robot::{Locks, Robot, RobotSource};
 
 /// What a design file says. Angles are in degrees, lengths in mm.
@@ -119,10 +119,8 @@ impl Design {
     /// # Errors
     /// As [`Design::read`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, DesignError> {
-        let refuse = |e: toml::de::Error| DesignError::Syntax {
-            path: path.to_owned(),
-            message: e.to_string().trim_end().to_owned(),
-        };
+        let refuse =
+            |e: toml::de::Error| DesignError::Syntax { path: path.to_owned(), message: in_plain_words(&e.to_string()) };
         let file: DesignFile = toml::from_str(text).map_err(refuse)?;
         let tables: toml::Table = toml::from_str(text).map_err(refuse)?;
         let robot_path = path.parent().unwrap_or(Path::new("")).join(&file.robot);

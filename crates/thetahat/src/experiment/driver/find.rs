@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use super::{error::DriverError, file::Driver, presets::PRESETS};
-use thetahat_ground::files;
+use thetahat_ground::{files, syntax::in_plain_words};
 
 impl Driver {
     /// The preset of a name, or the driver of a file: a name with the ending `.toml`. A part of a name is enough where one preset alone
@@ -46,10 +46,8 @@ impl Driver {
     }
 
     fn parse(name: &str, text: &str, path: &Path) -> Result<Self, DriverError> {
-        let syntax = |e: toml::de::Error| {
-            let message = e.to_string().trim_end().to_owned();
-            DriverError::Syntax { path: path.to_owned(), message }
-        };
+        let syntax =
+            |e: toml::de::Error| DriverError::Syntax { path: path.to_owned(), message: in_plain_words(&e.to_string()) };
         let driver = Self { name: name.to_owned(), ..toml::from_str(text).map_err(syntax)? };
         driver.check(path)?;
         Ok(driver)
