@@ -112,7 +112,7 @@ fn finding_text(robot: &Robot, wrong: &[&Scale], middle: f64, several: bool) -> 
     FindingText::new(message, remedy).with_step(step)
 }
 
-/// The remedy where all factors are the square of that of a unit of time, as of joints whose torques are those of accelerations alone.
+/// The remedy where all factors are the square of a unit of time in seconds: joints without gravity whose times have another unit.
 fn of_times(wrong: &[&Scale]) -> Option<String> {
     let all_are = |expected: f64| {
         let is_near = |s: &&Scale| (s.factor / expected).max(expected / s.factor) < ALIKE;

@@ -268,6 +268,23 @@ mod tests {
         }
     }
 
+    /// What is about the fit as a whole names the finding that may be its cause, wherever that stands; a note is no cause.
+    #[test]
+    fn a_finding_that_may_be_a_consequence_names_the_first_cause() {
+        let of = |code, severity| Finding { code, severity, joint: None, joint_name: None, ..of_joint(1, 10.0) };
+        let text = |findings| {
+            let recording = RecordingFindings { recording: "1".to_owned(), held_back: false, findings };
+            findings_text(&[recording], TextWidth::default())
+        };
+        let poor = of(Code::PoorFit, Severity::Problem);
+        let said =
+            text(vec![poor.clone(), of(Code::RepeatedSamples, Severity::Warning), of(Code::Lag, Severity::Problem)]);
+        assert_eq!(said.matches("see to repeated-samples first: this may be a consequence of it").count(), 1, "{said}");
+        for alone in [vec![poor.clone()], vec![poor.clone(), poor.clone()], vec![of(Code::Lag, Severity::Note), poor]] {
+            assert!(!text(alone).contains("consequence"));
+        }
+    }
+
     /// Not seven warnings of two lines each.
     #[test]
     fn the_same_finding_of_seven_joints_is_one_line() {
