@@ -86,7 +86,7 @@ fn bags() -> Vec<Bag> {
                 let negative: Vec<f64> = tau.iter().map(|tau| -tau).collect();
                 Cdr::default().u8(4).f64s(q).f64s(q).f64s(&negative)
             },
-            torque: r#""measured_torque[3]"], unit = "N m", gain = -1 }"#,
+            torque: r#""measured_torque[2]"], unit = "N m", gain = -1 }"#,
             has_reference: true,
         },
     ]
