@@ -82,7 +82,7 @@ fn what_a_description_includes_and_a_driver_are_inputs() {
         .write("mine.toml", "title = 'a'\neffort = 'b'\n[position]\ncolumns = ['q*']\nunit = 'rad'\n");
     for (command, input) in [
         ("model arm.xacro --expand", "mass.xacro"),
-        ("generate arm.xacro --model inverse-dynamics --to python --out", "mass.xacro"),
+        ("generate arm.xacro --model idm --to python --out", "mass.xacro"),
         ("init --robot arm.xacro --recording record.csv --out", "mass.xacro"),
         ("init --from mine.toml --robot arm.xacro --recording record.csv --out", "mine.toml"),
     ] {
