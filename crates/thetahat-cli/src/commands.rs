@@ -6,7 +6,7 @@ use std::{
 
 use thetahat::{
     Experiment, Results,
-    experiment::{PredictionRequest, predict},
+    experiment::{ExperimentError, PredictionRequest, predict},
     report::Published,
     results::{ResultsError, SideBySide},
     robot::{Locks, RobotSource, RobotSummary, XacroOptions},
@@ -64,12 +64,17 @@ fn check_experiment(check: &Check) -> Result<Ending, Box<dyn Error>> {
     Ok(if problem { Ending::NotTrusted } else { Ending::Good })
 }
 
-/// Compares the errors of the estimates with the experiment's filter and others, if there are estimates.
+/// Compares the errors of the estimates with the experiment's filter and others, or says why not.
 fn compare_filters(experiment: &Experiment, data: &Path) -> Result<(), Box<dyn Error>> {
     let progress = Progress::of("comparing filters on a simulated twin of the recording");
     let choice = experiment.choose_filter(data, Some(experiment.settings.signal.filter()), threads(None));
     drop(progress);
-    Ok(choice.iter().try_for_each(|choice| print(&report::filter_text(choice, width())))?)
+    match choice {
+        Ok(choice) => print(&report::filter_text(&choice, width()))?,
+        Err(ExperimentError::Filter { source, .. }) => print(&format!("\nFilters are not compared: {source}.\n"))?,
+        Err(error) => print(&format!("\nFilters are not compared: {error}.\n"))?,
+    }
+    Ok(())
 }
 
 fn compare_results(request: &Compare) -> Result<Ending, Box<dyn Error>> {
@@ -181,7 +186,7 @@ fn show_model(request: &Model) -> Result<Ending, Box<dyn Error>> {
     let path = folder.join(&request.robot);
     let source = RobotSource::read_with_xacro(&path, &xacro)?;
     if let Some(out) = &request.expand {
-        OutputGuard::new([path], request.force.force).file(out)?;
+        OutputGuard::new(source.paths().iter().cloned(), request.force.force).file(out)?;
         replace_file(out, source.to_text().as_bytes())
             .map_err(|e| format!("{}: cannot be written: {e}", out.display()))?;
         print(&format!("written: {}\n", out.display()))?;

@@ -68,8 +68,7 @@ fn read_robot(request: &Generate, path: &Path) -> Result<Source, Box<dyn Error>>
         }
         GeneratedParameters::Values => Some(robot.a_priori_parameters()),
     };
-    let files = [Some(path.to_owned()), source.urdf_path().map(Path::to_owned)].into_iter().flatten().collect();
-    Ok(Source { robot, theta, about: Vec::new(), files, friction_transition: None })
+    Ok(Source { robot, theta, about: Vec::new(), files: source.paths().to_vec(), friction_transition: None })
 }
 
 fn read_results(request: &Generate, path: PathBuf) -> Result<Source, Box<dyn Error>> {

@@ -28,7 +28,7 @@ pub fn inspect_recordings(request: &Inspect) -> Result<Ending, Box<dyn Error>> {
     }
     if let Some(robot) = &request.robot {
         let files = ProposalFiles::in_folder_of_recordings(robot.clone(), files);
-        let proposal = proposal(&files, &request.columns, &contents)?;
+        let proposal = proposal(&files, &RobotSource::read(robot)?, &request.columns, &contents)?;
         print(&format!("\nproposed experiment; `thetahat init` writes it:\n\n{}", proposal.text()))?;
     }
     Ok(Ending::Good)
@@ -44,11 +44,14 @@ pub fn write_experiment(init: &Init) -> Result<Ending, Box<dyn Error>> {
     let (Some(robot), false) = (&init.robot, init.recording.is_empty()) else {
         return Err("--robot FILE and --recording FILE are needed; --from list alone shows the drivers".into());
     };
-    OutputGuard::new(init.recording.iter().chain([robot]).cloned(), init.force.force).file(&init.out)?;
+    let source = RobotSource::read(robot)?;
+    let of_driver = init.columns.from.iter().map(PathBuf::from);
+    let inputs = init.recording.iter().chain(source.paths()).cloned().chain(of_driver);
+    OutputGuard::new(inputs, init.force.force).file(&init.out)?;
     let contents = contents(&init.recording, &init.columns)?;
     let folder = init.out.parent().map_or_else(PathBuf::new, Path::to_owned);
     let files = ProposalFiles { robot: robot.clone(), recordings: init.recording.clone(), folder };
-    let proposal = proposal(&files, &init.columns, &contents)?;
+    let proposal = proposal(&files, &source, &init.columns, &contents)?;
     replace_file(&init.out, proposal.text().as_bytes())
         .map_err(|e| format!("{}: cannot be written: {e}", init.out.display()))?;
     let to_fill_in: String = proposal.to_fill_in().iter().map(|what| format!("To fill in: {what}\n")).collect();
@@ -87,10 +90,14 @@ fn options_for(files: &ProposalFiles) -> String {
     options
 }
 
-fn proposal(files: &ProposalFiles, columns: &Columns, contents: &[Contents]) -> Result<Proposal, Box<dyn Error>> {
+fn proposal(
+    files: &ProposalFiles,
+    source: &RobotSource,
+    columns: &Columns,
+    contents: &[Contents],
+) -> Result<Proposal, Box<dyn Error>> {
     let request = files.name_in(request(columns)?);
-    let source = RobotSource::read(&files.robot)?;
-    let proposal = propose_for_motion(&request, &source, contents)?;
+    let proposal = propose_for_motion(&request, source, contents)?;
     let _progress = Progress::of("choosing the filter on a simulated twin of the recording");
     Ok(proposal.with_chosen_filter(source.to_text(), &files.data_folder(), threads(None))?)
 }
@@ -98,7 +105,8 @@ fn proposal(files: &ProposalFiles, columns: &Columns, contents: &[Contents]) -> 
 /// The drivers that come with the program: what each means by effort.
 fn show_drivers() -> Result<Ending, Box<dyn Error>> {
     for driver in Driver::presets()? {
-        print(&format!("{}: {}\n    effort: {}\n", driver.name, driver.title, driver.effort))?;
+        let sources: String = driver.source.iter().map(|source| format!("    source: {source}\n")).collect();
+        print(&format!("{}: {}\n    effort: {}\n{sources}", driver.name, driver.title, driver.effort))?;
     }
     Ok(Ending::Good)
 }

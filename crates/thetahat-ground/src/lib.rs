@@ -28,3 +28,5 @@ pub mod output;
 pub mod one_or_each;
 
 pub mod digest;
+
+pub mod syntax;

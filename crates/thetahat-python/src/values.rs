@@ -6,6 +6,7 @@ use pyo3::{
     types::{PyBool, PyDict, PyString},
 };
 use serde::de::DeserializeOwned;
+use thetahat_ground::syntax::in_plain_words;
 
 use crate::python_error::PythonError;
 
@@ -14,7 +15,8 @@ use crate::python_error::PythonError;
 /// # Errors
 /// `SettingsError` for what is no such value, `TypeError` for what no file could hold.
 pub fn read<T: DeserializeOwned>(value: &Bound<'_, PyAny>) -> PyResult<T> {
-    T::deserialize(toml_of(value)?).map_err(|e| PythonError::new("SettingsError", e.to_string().trim_end()).into())
+    T::deserialize(toml_of(value)?)
+        .map_err(|e| PythonError::new("SettingsError", in_plain_words(&e.to_string())).into())
 }
 
 fn toml_of(value: &Bound<'_, PyAny>) -> PyResult<toml::Value> {

@@ -4,12 +4,14 @@
 
 mod assertions;
 mod folder;
+mod mcap;
 mod mjcf;
 mod program;
 mod shared;
 
 pub use assertions::{assert_close, ensure, ensure_printed};
 pub use folder::Folder;
+pub use mcap::{Cdr, mcap};
 pub use mjcf::users_mjcf;
 pub use program::{refused, run, shown, succeeded};
 pub use shared::{

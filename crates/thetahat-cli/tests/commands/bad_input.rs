@@ -281,11 +281,23 @@ fn positions_and_torques_of_different_length() {
     case.is_refused(&["record.csv", "torque.csv", "3400 samples", "3395"]);
 }
 
+/// What is expected is said in words, not as a type of the program.
+#[test]
+fn values_of_another_kind() {
+    for (line, words) in [
+        ("cutoff_hz = \"x\"", "expected a number, found the text \"x\""),
+        ("cutoff_hz = [1]", "expected a number, found a list"),
+    ] {
+        let case = Case::valid().experiment("cutoff_hz = 50", line);
+        case.is_refused(&["experiment.toml", "line", words]);
+    }
+}
+
 #[test]
 fn one_row() {
     let case = Case::valid();
     case.write("record.csv", "t,q1,tau1\n0,0,1\n");
-    case.is_refused(&["experiment.toml", "[signal]", "cutoff_hz", "periods in the recording"]);
+    case.is_refused(&["experiment.toml", "[signal]", "cutoff_hz", "periods fit into"]);
 }
 
 #[test]

@@ -64,6 +64,38 @@ fn keeps_files_of_others(folder: &Folder, command: &str, file: &str) {
     succeeds(folder, command);
 }
 
+/// What a xacro includes, and a driver of one's own, are inputs too.
+#[test]
+fn what_a_description_includes_and_a_driver_are_inputs() {
+    let folder = Folder::new();
+    let links = |inertia: &str| format!("<robot xmlns:xacro=\"http://ros.org/wiki/xacro\">{inertia}</robot>");
+    folder.write("mass.xacro", links("<xacro:property name=\"mass\" value=\"2\"/>"));
+    folder.write(
+        "arm.xacro",
+        "<robot name=\"arm\" xmlns:xacro=\"http://ros.org/wiki/xacro\"><xacro:include filename=\"mass.xacro\"/>\
+         <link name=\"base\"/><link name=\"bar\"><inertial><mass value=\"${mass}\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" \
+         iyz=\"0\" izz=\"1\"/></inertial></link><joint name=\"q1\" type=\"continuous\"><parent link=\"base\"/><child link=\"bar\"/>\
+         <axis xyz=\"0 1 0\"/></joint></robot>",
+    );
+    folder
+        .write("record.csv", record())
+        .write("mine.toml", "title = 'a'\neffort = 'b'\n[position]\ncolumns = ['q*']\nunit = 'rad'\n");
+    for (command, input) in [
+        ("model arm.xacro --expand", "mass.xacro"),
+        ("generate arm.xacro --model idm --to python --out", "mass.xacro"),
+        ("init --robot arm.xacro --recording record.csv --out", "mass.xacro"),
+        ("init --from mine.toml --robot arm.xacro --recording record.csv --out", "mine.toml"),
+    ] {
+        let before = folder.text(input);
+        is_refused(
+            &folder,
+            &format!("{command} {input} --force"),
+            &[input, "is read as an input, and is not replaced"],
+        );
+        assert_eq!(folder.text(input), before, "{command}");
+    }
+}
+
 /// A twin of the two-joint arm, and its campaign.
 fn arm() -> Folder {
     let folder = Folder::new();

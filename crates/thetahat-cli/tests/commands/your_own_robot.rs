@@ -72,7 +72,7 @@ fn the_driver_of_a_log_may_be_named() {
         "{listed}"
     );
     let refusal = refused(&arm.run("init --from ur --robot arm.urdf --recording log.csv"));
-    assert!(refusal.contains("there is no driver \"ur\"; the drivers are cia402,"), "{refusal}");
+    assert!(refusal.contains("there is no driver \"ur\"; say which of ur-ros2, ur-rtde it is"), "{refusal}");
     let refusal = refused(&arm.run("init --from franka --robot arm.urdf --recording log.csv"));
     assert!(
         refusal.contains("none of the columns of the driver franka") && refusal.contains("--from list"),

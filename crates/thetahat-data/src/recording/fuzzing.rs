@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use super::csv::{self, Dialect};
+use super::csv::{self, Decimal, Dialect};
 use super::table::RequestedColumns;
 use super::{mat, npy};
 
@@ -14,6 +14,32 @@ pub fn csv(bytes: &[u8]) {
     for channels_in_rows in [false, true] {
         let dialect = Dialect { channels_in_rows, ..Dialect::default() };
         let _ = csv::read(bytes, Path::new("fuzz.csv"), &dialect, RequestedColumns::All);
+    }
+}
+
+/// Text of another tool: the first two bytes choose what a user states of it, the others are the text. All columns are read, and those
+/// of seconds and nanoseconds.
+pub fn text(bytes: &[u8]) {
+    let Some((&[first, second], text)) = bytes.split_first_chunk::<2>() else { return };
+    let mut choice = usize::from(u16::from_le_bytes([first, second]));
+    let mut next = |count: usize| {
+        let chosen = choice % count;
+        choice /= count;
+        chosen
+    };
+    let dialect = Dialect {
+        delimiter: [None, Some(','), Some(';'), Some('\t'), Some(' '), Some('|')][next(6)],
+        decimal: [None, Some(Decimal::Point), Some(Decimal::Comma)][next(3)],
+        header: [None, Some(true), Some(false)][next(3)],
+        skip_lines: [None, Some(0), Some(2), Some(u64::MAX)][next(4)],
+        day_first: [None, Some(true), Some(false)][next(3)],
+        drop_cut_line: next(2) == 1,
+        channels_in_rows: next(2) == 1,
+    };
+    let path = Path::new("fuzz.csv");
+    let columns = ["sec".to_owned(), "1+2".to_owned()];
+    for wanted in [RequestedColumns::All, RequestedColumns::Named(&columns)] {
+        let _ = csv::read(text, path, &dialect, wanted);
     }
 }
 

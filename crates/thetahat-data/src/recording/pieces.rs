@@ -10,6 +10,7 @@ use super::npy::ArrayPieces;
 #[cfg(feature = "parquet")]
 use super::parquet::{DatasetInfo, GroupPieces};
 use super::place::file_length;
+use super::reader::TableOptions;
 use super::select;
 use super::source::{ChannelSource, require_units_of_file};
 use super::table::{Column, RequestedColumns, Table};
@@ -59,7 +60,9 @@ impl SignalPieces {
             if file == pieces.files.len() {
                 let of_file = |s: &&&ChannelSource| s.file == source.file && s.dialect() == source.dialect();
                 let wanted = columns(sources.iter().filter(of_file).copied());
-                let Some(opened) = FilePieces::open(source, format, root, &path, wanted.as_deref())? else {
+                let options =
+                    TableOptions { dialect: source.dialect(), episode: source.episode, root: source.root(root) };
+                let Some(opened) = FilePieces::open(&options, format, &path, wanted.as_deref())? else {
                     return Ok(None);
                 };
                 pieces.files.push(opened);
@@ -146,14 +149,13 @@ fn wanted(columns: Option<&[String]>) -> RequestedColumns<'_> {
 
 impl FilePieces {
     fn open(
-        source: &ChannelSource,
+        options: &TableOptions<'_>,
         format: Format,
-        root: &Path,
         path: &Path,
         columns: Option<&[String]>,
     ) -> Result<Option<Self>, RecordingError> {
         match format {
-            Format::Csv => Ok(TextPieces::open(path, &source.dialect(), wanted(columns))?.map(Self::Text)),
+            Format::Csv => Ok(TextPieces::open(path, &options.dialect, wanted(columns))?.map(Self::Text)),
             Format::Npy => {
                 let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
                 let array = ArrayPieces::open(path, name, 0, file_length(path)?)?;
@@ -162,7 +164,7 @@ impl FilePieces {
             Format::Npz => archive(path, wanted(columns)),
             #[cfg(feature = "parquet")]
             Format::Parquet => {
-                let info = DatasetInfo::of(path, source.root(root));
+                let info = DatasetInfo::of(path, options.root);
                 Ok(GroupPieces::open(path, info, wanted(columns))?.map(|pieces| Self::Groups(Box::new(pieces))))
             }
             // The others are read whole.

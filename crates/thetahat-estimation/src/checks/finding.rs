@@ -123,6 +123,22 @@ pub enum Code {
 }
 
 impl Code {
+    /// Whether it is about the fit as a whole or about parameters, and so may come from a fault that another finding names.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn is_consequence(self) -> bool {
+        matches!(
+            self,
+            Self::PoorFit
+                | Self::WrongRobot
+                | Self::WorseThanMean
+                | Self::NotExcited
+                | Self::NotPhysical
+                | Self::NegativeFriction
+                | Self::FrictionDrift
+        )
+    }
+
     /// All codes, in order.
     pub const ALL: [Self; 41] = [
         Self::PositionScale,

@@ -1,6 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{locking::LockError, mjcf::MjcfError, terms::TermError, urdf::UrdfError, xacro::XacroError};
+use thetahat_ground::syntax::in_plain_words;
 
 /// Why a robot description cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -157,6 +158,6 @@ impl RobotError {
     }
 
     pub(super) fn of_toml(error: &toml::de::Error, path: &Path) -> Self {
-        Self::Syntax { path: path.to_owned(), message: error.to_string().trim_end().to_owned() }
+        Self::Syntax { path: path.to_owned(), message: in_plain_words(&error.to_string()) }
     }
 }

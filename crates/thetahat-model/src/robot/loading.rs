@@ -13,6 +13,8 @@ pub(super) struct Loaded {
     pub(super) text: String,
     /// The files that were read, the description first.
     pub(super) files: Vec<RobotFile>,
+    /// Their paths.
+    pub(super) paths: Vec<PathBuf>,
     /// Whether the text is that of an expanded xacro.
     pub(super) is_expanded: bool,
 }
@@ -21,10 +23,10 @@ pub(super) struct Loaded {
 pub(super) fn load(path: &Path, options: &XacroOptions) -> Result<Loaded, RobotError> {
     let TextFile { text, file } = text_file::read(path)?;
     if !is_xacro(path, &text) {
-        return Ok(Loaded { text, files: vec![file], is_expanded: false });
+        return Ok(Loaded { text, files: vec![file], paths: vec![path.to_owned()], is_expanded: false });
     }
-    let ExpandedXacro { text, files, .. } = expand_xacro(path, options)?;
-    Ok(Loaded { text, files, is_expanded: true })
+    let ExpandedXacro { text, files, paths } = expand_xacro(path, options)?;
+    Ok(Loaded { text, files, paths, is_expanded: true })
 }
 
 /// Whether a file is to be expanded. One that only declares the namespace has been expanded before.

@@ -20,6 +20,8 @@ pub struct RobotSource {
     urdf: Option<(PathBuf, String)>,
     /// The files that were read.
     files: Vec<RobotFile>,
+    /// Where they are.
+    paths: Vec<PathBuf>,
     /// Whether the text is that of an expanded xacro.
     is_expanded: bool,
     /// The files of the MJCF, if it includes others.
@@ -50,12 +52,13 @@ impl RobotSource {
     /// As [`RobotSource::read`].
     pub fn from_text(text: String, path: &Path) -> Result<Self, RobotError> {
         let own = (!toml_file::has_embedded_urdf(&text)).then(|| RobotFile::new(path, text.as_bytes()));
-        let loaded = Loaded { text, files: own.into_iter().collect(), is_expanded: false };
+        let loaded =
+            Loaded { text, files: own.into_iter().collect(), paths: vec![path.to_owned()], is_expanded: false };
         Self::of(loaded, path, &XacroOptions::default())
     }
 
     fn of(own: Loaded, path: &Path, options: &XacroOptions) -> Result<Self, RobotError> {
-        let Loaded { text, mut files, mut is_expanded } = own;
+        let Loaded { text, mut files, mut paths, mut is_expanded } = own;
         let urdf = if is_xml(&text) { None } else { toml_file::urdf_of(&text, path)? };
         let own_place = path.to_owned();
         let mut origins = mjcf::Origins::default();
@@ -73,6 +76,7 @@ impl RobotSource {
             Some(toml_file::Urdf::File(file)) => {
                 let loaded = load(&file, options)?;
                 files.extend(loaded.files);
+                paths.extend(loaded.paths);
                 is_expanded |= loaded.is_expanded;
                 let below = joined(loaded.text, &file, &mut files)?;
                 (text, Some((file, below)))
@@ -84,7 +88,8 @@ impl RobotSource {
             }
             None => (joined(text, &own_place, &mut files)?, None),
         };
-        Ok(Self { path: own_place, text, urdf, files, is_expanded, origins })
+        paths.extend(origins.files().iter().map(|(path, _)| path.clone()));
+        Ok(Self { path: own_place, text, urdf, files, paths, is_expanded, origins })
     }
 
     /// The file of the description.
@@ -104,6 +109,13 @@ impl RobotSource {
     #[must_use]
     pub fn files(&self) -> Vec<RobotFile> {
         self.files.clone()
+    }
+
+    /// The paths of all files that were read, which a program must not replace: also those that a xacro or an MJCF includes. Some may
+    /// be named twice.
+    #[must_use]
+    pub fn paths(&self) -> &[PathBuf] {
+        &self.paths
     }
 
     /// The text of the URDF that the robot is read from; none if a TOML defines the joints, and for an MJCF.

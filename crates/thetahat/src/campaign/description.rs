@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::CampaignError;
 use crate::experiment::Experiment;
 use thetahat_estimation::identification::Method;
-use thetahat_ground::{files, one_or_each::OneOrEach};
+use thetahat_ground::{files, one_or_each::OneOrEach, syntax::in_plain_words};
 
 /// A campaign with its experiment, ready to run.
 #[derive(Debug, Clone)]
@@ -141,7 +141,7 @@ impl Campaign {
 
     fn parse(path: &Path, text: &str) -> Result<CampaignFile, CampaignError> {
         toml::from_str(text)
-            .map_err(|e| CampaignError::Syntax { path: path.to_owned(), message: e.to_string().trim_end().to_owned() })
+            .map_err(|e| CampaignError::Syntax { path: path.to_owned(), message: in_plain_words(&e.to_string()) })
     }
 
     fn assemble(

@@ -63,7 +63,7 @@ fn take_ls(evidence: &Evidence<'_>) -> String {
         (Some(weak), _, _) => weak_text(weak),
         (None, Some((ratio, close)), _) => wasteful_text(ratio, close),
         (None, None, Some(_)) => "idim-iv has no converged estimate to test it.".to_owned(),
-        (None, None, None) => "Nothing tests it: idim-iv was not run; add it to methods.".to_owned(),
+        (None, None, None) => "Nothing tests it: idim-iv was not run; add it to methods in [estimation].".to_owned(),
     };
     let numbers = evidence.ran(Method::IDIM_LS).map(ls_numbers).unwrap_or_default();
     format!("Take idim-ls{numbers}. {why}")

@@ -19,7 +19,7 @@ use crate::preparation::{
 };
 use thetahat_data::recording::ChannelSource;
 use thetahat_estimation::{control::ControllerDescription, simulation::Sensors};
-use thetahat_ground::{files, one_or_each};
+use thetahat_ground::{files, one_or_each, syntax::in_plain_words};
 use thetahat_model::robot::{Locks, Robot, RobotError, RobotFile, RobotSource, TermDescription};
 
 /// An experiment with its robot, ready to run.
@@ -330,7 +330,7 @@ impl Experiment {
         let of_settings = |source| ExperimentError::Preparation { path: path.to_owned(), source };
         let settings = settings.for_robot(&robot).map_err(of_settings)?;
         file.twin.iter_mut().for_each(|twin| twin.repeat_for(robot.coordinate_count()));
-        let robot_files = [Some(source.path()), source.urdf_path()].into_iter().flatten().map(Path::to_owned).collect();
+        let robot_files = source.paths().to_vec();
         let robot_hashes = source.files();
         let experiment =
             Self { path: path.to_owned(), file, settings, text, robot, robot_text, robot_files, robot_hashes };
@@ -356,5 +356,5 @@ fn read_text(path: &Path) -> Result<String, ExperimentError> {
 pub(super) fn parse(text: &str, path: &Path) -> Result<(ExperimentFile, Settings), ExperimentError> {
     toml::from_str(text)
         .map(Tables::split)
-        .map_err(|e| ExperimentError::Syntax { path: path.to_owned(), message: e.to_string().trim_end().to_owned() })
+        .map_err(|e| ExperimentError::Syntax { path: path.to_owned(), message: in_plain_words(&e.to_string()) })
 }

@@ -24,7 +24,7 @@ pub(super) fn require_same(results: &Results, robot: &Robot, path: &Path) -> Res
     if !is_same {
         return Err(difference(results, robot, &source));
     }
-    Ok([Some(source.path()), source.urdf_path()].into_iter().flatten().map(Path::to_owned).collect())
+    Ok(source.paths().to_vec())
 }
 
 /// What differs: the joints, or else the bytes.

@@ -49,7 +49,7 @@ pub enum ExportError {
     /// The covariance of the estimates is singular.
     #[error(
         "{}: the covariance of the estimates by {method} is singular, so that nothing can be measured in it or drawn from it; \
-         estimate fewer parameters (`estimate = \"essential\"`), or record more",
+         estimate fewer parameters (`estimate = \"essential\"` in `[parameters]`), or record more",
         path.display()
     )]
     SingularCovariance {

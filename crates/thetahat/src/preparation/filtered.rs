@@ -10,7 +10,7 @@ use thetahat_estimation::{
     identification::{Assembly, NearRest, RowMask},
     signal::{Decimator, Motion, SignalError, centred_hold, moving_samples, spectrum_end_hz},
 };
-use thetahat_ground::{linear_algebra::Matrix, series::Series};
+use thetahat_ground::{linear_algebra::Matrix, number::significant, series::Series};
 use thetahat_model::{
     dynamics::{Jump, Model, Sign},
     regressor::Regressor,
@@ -113,8 +113,12 @@ impl Setup<'_> {
     /// A recording must be long compared with the period of the position filter.
     pub(crate) fn require_periods(&self, samples: usize, sample_rate_hz: f64) -> Result<(), PreparationError> {
         let cutoff_hz = self.settings.signal.cutoff_hz;
-        let slowest = FEWEST_PERIODS * sample_rate_hz / samples as f64;
-        let expected = format!("at least {slowest:.3}, {FEWEST_PERIODS} periods in the recording");
+        let duration_s = samples as f64 / sample_rate_hz;
+        let slowest = FEWEST_PERIODS / duration_s;
+        let expected = format!(
+            "at least {slowest:.3}, of which {FEWEST_PERIODS} periods fit into the {} s that are used, or a longer recording",
+            significant(duration_s, 3)
+        );
         PreparationError::require(cutoff_hz >= slowest, "[signal] cutoff_hz", &expected, cutoff_hz)
     }
 }

@@ -33,6 +33,20 @@ pub enum LoopParameter {
 }
 
 impl LoopParameter {
+    /// Its name in an experiment file.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::GearRatio => "gear-ratio",
+            Self::DriveGain => "drive-gain",
+            Self::DriveGains => "drive-gains",
+            Self::PositionGain => "position-gain",
+            Self::PositionGains => "position-gains",
+            Self::VelocityGain => "velocity-gain",
+            Self::VelocityGains => "velocity-gains",
+            Self::Delay => "delay",
+        }
+    }
+
     /// Whether it is a gain of the controller.
     pub(super) fn is_gain(self) -> bool {
         match self {

@@ -51,7 +51,7 @@ impl Settings {
         let Some(law) = controller.own_law() else { return Ok(()) };
         if let Some(gain) = self.estimation.loop_parameters.iter().find(|p| p.is_gain()) {
             let expected = "no position or velocity gain with a control law of your own";
-            return Err(PreparationError::value("[estimation] loop_parameters", expected, format!("{gain:?}")));
+            return Err(PreparationError::value("[estimation] loop_parameters", expected, gain.name()));
         }
         let with_sensitivities = |m: &Method| m.needs() == Needs::Sensitivities && law.memory() > 0;
         match self.all_methods().into_iter().find(with_sensitivities) {

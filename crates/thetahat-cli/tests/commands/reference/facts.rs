@@ -97,7 +97,7 @@ pub const FINDINGS: [[&str; 4]; 41] = [
         "repeated-samples",
         "warning",
         "moving samples at which all positions, or all torques, repeat the sample before exactly ({checks/motion/repeats REPEATED_LIMIT_PERCENT} %)",
-        "log at the rate at which values are new",
+        "log at the rate at which values are new, or take the rows out that repeat them; rows that repeat positions and torques together are interpolated in reading",
     ],
     [
         "clock-jitter",
@@ -188,7 +188,7 @@ pub const FINDINGS: [[&str; 4]; 41] = [
         "not-excited",
         "problem, warning, note",
         "a problem: parameters that others span exactly. A warning: variance inflation above {checks/motion/excitation INFLATION_LIMIT}. A note: estimates with a relative standard deviation above {run/validation/uncertain LIMIT_PERCENT} %",
-        "move the joints faster and in other configurations, exclude the parameters, or `estimate = \"essential\"`",
+        "move the joints faster and in other configurations, or leave parameters out: `exclude` or `estimate = \"essential\"` in `[parameters]`",
     ],
     [
         "reference-mismatch",
@@ -327,7 +327,7 @@ pub const REASONS: [[&str; 4]; 17] = [
         "cross-validation",
         "the model's error on unseen motion above {diagnosis/verdict/model FAR_FROM_FIT} times that of its fit, and above {diagnosis/verdict/model STRUCTURE_PERCENT} % of the torques; without a model: above {diagnosis/verdict/estimates CROSS_VALIDATION} times",
         "without a model: above {diagnosis/verdict/estimates CROSS_VALIDATION_FAR} times; or above {diagnosis/verdict/estimates CROSS_VALIDATION} times and {diagnosis/verdict/estimates USELESS_PERCENT} % of the torque",
-        "`estimate = \"essential\"`, or record more motion",
+        "`estimate = \"essential\"` in `[parameters]`, or record more motion",
     ],
     [
         "joint-poorly-explained",

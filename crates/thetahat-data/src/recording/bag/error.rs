@@ -18,8 +18,7 @@ pub enum BagError {
 
     /// There is no topic of this name whose messages can be read.
     #[error(
-        "there is no topic {topic:?} that can be read; those of the bag are {}; correct `topic`; not read are {}",
-        listed(.found), listed(.others)
+        "there is no topic {topic:?} that can be read; those of the bag are {}; correct `topic`{}", listed(.found), not_read(.others)
     )]
     MissingTopic {
         /// The topic asked for.
@@ -206,4 +205,8 @@ fn listed(names: &[String]) -> String {
         return "none".to_owned();
     }
     names.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ")
+}
+
+fn not_read(others: &[String]) -> String {
+    if others.is_empty() { String::new() } else { format!("; not read are {}", listed(others)) }
 }

@@ -8,6 +8,7 @@
 //! | `shape` | samples and channels of an array |
 //! | `kinds` | cell arrays, and objects that are not read |
 //! | `v5` | variables of version 5 from their elements |
+//! | `soft_links` | links of HDF5 that the library cannot pass by
 //! | `v73` | variables of version 7.3, which is HDF5, and data sets of other HDF5 files |
 //!
 //! The former reader of version 5, the crate `matfile`, does not support fields of structures and int32 matrices, reads a truncated file as
@@ -18,6 +19,8 @@ mod elements;
 mod kinds;
 mod read;
 mod shape;
+#[cfg(feature = "hdf5")]
+mod soft_links;
 mod v5;
 #[cfg(feature = "hdf5")]
 mod v73;

@@ -13,6 +13,7 @@ use super::super::panic_guard::panics_as_damage;
 use super::super::table::{Column, RequestedColumns};
 use super::kinds::{MOST_CELLS, NOT_VECTORS, kind_of_object, of_cells};
 use super::shape::samples_and_channels;
+use super::soft_links;
 
 /// Deepest nesting of structures.
 const DEEPEST_STRUCTURE: usize = 8;
@@ -41,7 +42,7 @@ impl Convention {
 
 /// The variables of a file. Variables that are not requested have a name and no values.
 pub(super) fn read(
-    bytes: Vec<u8>,
+    mut bytes: Vec<u8>,
     path: &Path,
     convention: Convention,
     wanted: RequestedColumns<'_>,
@@ -50,6 +51,7 @@ pub(super) fn read(
         let budget = Budget::of(path, bytes.len() as u64);
         let mut reader = Reader { path, convention, wanted, budget, objects: 0, columns: Vec::new() };
         let length = bytes.len() as u64;
+        soft_links::take_out(&mut bytes);
         let file = File::from_bytes(bytes).map_err(|e| reader.damaged("file", &e))?;
         let expected = file.superblock().eof_address;
         if length < expected {

@@ -92,7 +92,7 @@ fn confounded(exam: &mut Examination<'_>, columns: &Matrix, names: &[&str]) {
         let list: Vec<String> = worst.iter().map(|&c| format!("{} (with {})", names[c], partners(c))).collect();
         let message =
             format!("the motion hardly separates {} parameters from others: {}", worst.len(), list.join(", "));
-        let remedy = "move these joints in other configurations and at other speeds, or exclude these parameters";
+        let remedy = "move these joints in other configurations and at other speeds, or leave these parameters out by exclude = [...] in [parameters]";
         FindingText::new(message, remedy).about(owned(names, &worst))
     });
 }

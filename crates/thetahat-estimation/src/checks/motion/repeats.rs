@@ -68,7 +68,11 @@ fn repeated(exam: &mut Examination<'_>, signals: &Signals, series: &Series, what
                 "{} samples ({value:.2} %) repeat the {what} of the sample before, the first is sample {first}",
                 repeated.len()
             ),
-            "the logger repeats old values: record at the rate of new values, or drop the repeats and resample",
+            format!(
+                "the {what} are older than their times say: log at the rate at which they are new, or take the rows out that repeat them \
+                 and keep the times of the others; rows that repeat positions and torques together, as of a logger that asks too often, \
+                 are interpolated when a file is read, and these are too few, too many in a row, or repeat only one of the two"
+            ),
         )
     });
 }

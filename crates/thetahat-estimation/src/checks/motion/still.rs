@@ -7,6 +7,8 @@ use crate::checks::{
     remedy_step::RemedyStep,
     signals::{STILL, Signals},
 };
+use thetahat_ground::number::significant;
+use thetahat_model::robot::JointKind;
 
 /// Part of its peak velocity below which a joint counts as at rest.
 const AT_REST: f64 = 0.01;
@@ -28,19 +30,24 @@ fn still_joint(exam: &mut Examination<'_>, signals: &Signals, j: usize) {
     let evidence = Evidence { code: Code::JointStill, coordinate: Some(j), value, unit: "times too slow", limit: 1.0 };
     let parameters = exam.subject.parameter_names_of(j);
     let number = exam.subject.joint_number(j);
-    let name = exam.subject.robot.coordinates().nth(j).map_or("", |joint| joint.name.as_str());
+    let joint = exam.subject.robot.coordinates().nth(j);
+    let name = joint.map_or("", |joint| joint.name.as_str());
+    let unit = match joint.map_or(JointKind::Revolute, |joint| joint.kind) {
+        JointKind::Revolute => "rad",
+        JointKind::Prismatic => "m",
+    };
     // A joint that is held on purpose does no harm if none of its parameters is estimated.
     let severity = if parameters.is_empty() { Severity::Note } else { Severity::Problem };
     let at = (1e6 * mean(&signals.raw.channel(j))).round() / 1e6;
     exam.judge(evidence, severity, || {
         let text = FindingText::new(
             format!(
-                "joint {number} does not move: it spans {:.2e} rad or m, and its velocity stays below {:.1e}",
-                span(&signals.raw.channel(j)),
-                signals.peak[j]
+                "joint {number} does not move: it spans {} {unit}, and its velocity stays below {} {unit}/s",
+                significant(span(&signals.raw.channel(j)), 3),
+                significant(signals.peak[j], 2)
             ),
             format!(
-                "move it, or lock it: {name:?} = {at:.6} in [locked] of the experiment, without its columns; if it did move, check \
+                "move it, or lock it: {name:?} = {at} in [locked] of the experiment, without its columns; if it did move, check \
                  the position channel",
             ),
         );
@@ -69,7 +76,7 @@ fn still_periods(exam: &mut Examination<'_>, signals: &Signals) {
         } else {
             (
                 "there the sign of the velocity is noise",
-                "leave them out by mask = \"near-rest\" in [signal], or set window_start_s and window_end_s to the moving part",
+                "leave them out by mask = \"near-rest\" in [signal], or set window_start_s and window_end_s there to the moving part",
             )
         };
         let longest = rests.iter().max_by_key(|r| r.len()).cloned().unwrap_or(0..0);

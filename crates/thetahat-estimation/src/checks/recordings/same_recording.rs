@@ -50,7 +50,7 @@ fn finding(a: &Companion<'_>, b: &Companion<'_>, percent: f64) -> Finding {
     } else {
         (
             "the validation uses data of the estimate",
-            "validate on another recording, or give the two recordings windows that do not overlap (window_start_s, window_end_s)",
+            "validate on another recording, or give the two recordings windows that do not overlap (window_start_s, window_end_s in [[recording]])",
         )
     };
     Finding {

@@ -35,6 +35,8 @@ const EXPLAINED: f64 = 0.5;
 const ALIKE: f64 = 1.5;
 /// Factor between a torque in mN m and one in N m.
 const THOUSAND: f64 = 1e3;
+/// Units of time that are taken for seconds, with their number in a second: accelerations are wrong by its square.
+const TIMES: [(&str, f64); 3] = [("ms", 1e3), ("us", 1e6), ("ns", 1e9)];
 /// Number of joints with the same factor from which wrong masses are no explanation.
 const SEVERAL: usize = 3;
 
@@ -100,12 +102,33 @@ fn finding_text(robot: &Robot, wrong: &[&Scale], middle: f64, several: bool) -> 
         "these are the gear ratios: set side = \"motor\" of torque in [recording]"
     } else if at_joint {
         "these are the gear ratios: set side = \"joint\" of torque in [recording]"
+    } else if let Some(times) = of_times(wrong) {
+        return FindingText::new(message, times);
     } else {
         "check the unit of torque, and the side of the gears of torque and position (side = \"motor\" in [recording] with the \
          ratios in [transmission] matrix, or gain = ... of the channel); if these are right, the masses of the description are \
          placeholders: ignore this warning"
     };
     FindingText::new(message, remedy).with_step(step)
+}
+
+/// The remedy where all factors are the square of a unit of time in seconds: joints without gravity whose times have another unit.
+fn of_times(wrong: &[&Scale]) -> Option<String> {
+    let all_are = |expected: f64| {
+        let is_near = |s: &&Scale| (s.factor / expected).max(expected / s.factor) < ALIKE;
+        wrong.iter().all(is_near)
+    };
+    TIMES.into_iter().find_map(|(unit, parts)| {
+        let (found, taken) = match (all_are(parts * parts), all_are(1.0 / (parts * parts))) {
+            (true, _) => (unit, "s"),
+            (_, true) => ("s", unit),
+            (false, false) => return None,
+        };
+        Some(format!(
+            "that is {parts:e} squared, as of accelerations whose times are in {found} and are read as {taken}: correct the unit of time \
+             in [recording], or sample_rate_hz there; if the times are right, check the unit of torque"
+        ))
+    })
 }
 
 /// The factor that corrects torques which are a thousand times too large or too small at every joint: those of mN m and kN m.

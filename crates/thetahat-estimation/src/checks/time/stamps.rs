@@ -93,7 +93,7 @@ fn check_jitter(exam: &mut Examination<'_>, time: &[f64], steps: &Steps) {
             StampMeaning::Arrival => (
                 "the positions show that the samples were taken at equal steps and stamped on arrival",
                 if !has_gaps {
-                    format!("state sample_rate_hz = {rate:.6} instead of time, or log by the controller's clock")
+                    format!("state sample_rate_hz = {rate:.6} in [recording] instead of time, or log by the controller's clock")
                 } else {
                     "log by the controller's clock".to_owned()
                 },

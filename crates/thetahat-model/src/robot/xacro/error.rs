@@ -81,7 +81,7 @@ pub enum XacroProblem {
         name: String,
     },
     /// A call gives a parameter that the macro does not have.
-    #[error("macro `{name}` has no parameter `{parameter}`; it has: {}", known.join(" "))]
+    #[error("macro `{name}` has no parameter `{parameter}`; it has {}", if known.is_empty() { "none".to_owned() } else { known.join(" ") })]
     UnknownParameter {
         /// The macro.
         name: String,

@@ -22,11 +22,15 @@ pub fn findings_text(recordings: &[RecordingFindings], width: TextWidth) -> Stri
         if recordings.len() > 1 {
             text += &wrap(&format!("{}:", name(recording)), "", width);
         }
+        let cause = recording.findings.iter().find(|f| f.severity != Severity::Note && !f.code.is_consequence());
         for group in groups(&recording.findings) {
             let first = group[0];
             text +=
                 &wrap(&format!("{} [{}] {}", label(first.severity), first.code, seen_together(&group)), "  ", width);
             text += &wrap(&format!("-> {}", first.remedy), "     ", width);
+            if let Some(cause) = cause.filter(|_| first.code.is_consequence()) {
+                text += &wrap(&format!("see to {} first: this may be a consequence of it", cause.code), "     ", width);
+            }
         }
     }
     text
@@ -261,6 +265,23 @@ mod tests {
             remedy: "check the reference's column".to_owned(),
             parameters: Vec::new(),
             step: None,
+        }
+    }
+
+    /// What is about the fit as a whole names the finding that may be its cause, wherever that stands; a note is no cause.
+    #[test]
+    fn a_finding_that_may_be_a_consequence_names_the_first_cause() {
+        let of = |code, severity| Finding { code, severity, joint: None, joint_name: None, ..of_joint(1, 10.0) };
+        let text = |findings| {
+            let recording = RecordingFindings { recording: "1".to_owned(), held_back: false, findings };
+            findings_text(&[recording], TextWidth::default())
+        };
+        let poor = of(Code::PoorFit, Severity::Problem);
+        let said =
+            text(vec![poor.clone(), of(Code::RepeatedSamples, Severity::Warning), of(Code::Lag, Severity::Problem)]);
+        assert_eq!(said.matches("see to repeated-samples first: this may be a consequence of it").count(), 1, "{said}");
+        for alone in [vec![poor.clone()], vec![poor.clone(), poor.clone()], vec![of(Code::Lag, Severity::Note), poor]] {
+            assert!(!text(alone).contains("consequence"));
         }
     }
 

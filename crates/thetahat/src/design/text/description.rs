@@ -17,7 +17,7 @@ use crate::preparation::{
     EstimationOptions, ParameterSelection, Payload, PreparationError, Settings, SignalOptions, SimulationOptions,
 };
 use thetahat_estimation::control::ControllerDescription;
-use thetahat_ground::files;
+use thetahat_ground::{files, syntax::in_plain_words};
 use thetahat_model::robot::{Locks, Robot, RobotSource};
 
 /// What a design file says. Angles are in degrees, lengths in mm.
@@ -95,6 +95,8 @@ pub struct Design {
     pub robot: Robot,
     /// Where its description is.
     pub robot_path: PathBuf,
+    /// The files that it was read from.
+    pub(in crate::design) robot_files: Vec<PathBuf>,
     /// How the recording will be identified.
     pub settings: Settings,
     /// The noise of its torques.
@@ -117,19 +119,19 @@ impl Design {
     /// # Errors
     /// As [`Design::read`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, DesignError> {
-        let refuse = |e: toml::de::Error| DesignError::Syntax {
-            path: path.to_owned(),
-            message: e.to_string().trim_end().to_owned(),
-        };
+        let refuse =
+            |e: toml::de::Error| DesignError::Syntax { path: path.to_owned(), message: in_plain_words(&e.to_string()) };
         let file: DesignFile = toml::from_str(text).map_err(refuse)?;
         let tables: toml::Table = toml::from_str(text).map_err(refuse)?;
         let robot_path = path.parent().unwrap_or(Path::new("")).join(&file.robot);
         let locks = Locks { locked: file.locked.clone(), until: Vec::new() };
-        let robot = RobotSource::read(&robot_path)?.robot_with_locks(&locks, path)?;
+        let source = RobotSource::read(&robot_path)?;
+        let robot = source.robot_with_locks(&locks, path)?;
         let refuse = |source| DesignError::Preparation { path: path.to_owned(), source };
         let settings = settings(&file).for_robot(&robot).map_err(refuse)?;
         let noise = TorqueNoise::default();
-        let design = Self { path: path.to_owned(), tables, robot, robot_path, settings, noise, file };
+        let robot_files = source.paths().to_vec();
+        let design = Self { path: path.to_owned(), tables, robot, robot_path, robot_files, settings, noise, file };
         design.validate()?;
         Ok(Self { noise: design.torque_noise()?, ..design })
     }
@@ -137,8 +139,9 @@ impl Design {
     /// Every file that the design reads.
     #[must_use]
     pub fn input_files(&self) -> Vec<PathBuf> {
-        [self.path.clone(), self.robot_path.clone()]
+        [self.path.clone()]
             .into_iter()
+            .chain(self.robot_files.iter().cloned())
             .chain(self.prior_files())
             .chain(self.compared_files())
             .chain(self.noise_file())

@@ -90,7 +90,7 @@ impl Design {
             is_chosen != wanted.parameters.is_empty(),
             "[wanted] parameters",
             expected,
-            format!("{:?}", wanted.parameters),
+            if is_chosen { "none".to_owned() } else { wanted.parameters.join(" ") },
         )?;
         let percent = wanted.half_width_percent;
         self.require(percent > 0.0 && percent.is_finite(), "[wanted] half_width_percent", "above zero", percent)

@@ -217,7 +217,7 @@ fn cross_validation(results: &Results, run: &RunResult) -> Option<VerdictReason>
     );
     let remedy = match &results.elimination {
         Some(_) => "record more motion",
-        None => "estimate fewer parameters (estimate = \"essential\"), or record more motion",
+        None => "estimate fewer parameters (estimate = \"essential\" in [parameters]), or record more motion",
     };
     let said = ReasonText::new(seen, remedy);
     (ratio > CROSS_VALIDATION).then(|| reason(ReasonCode::CrossValidation, verdict, &numbers, of_method(run), said))

@@ -6,12 +6,14 @@ use std::path::PathBuf;
 pub enum DriverError {
     /// No preset has the name.
     #[error(
-        "there is no driver {name:?}; the drivers are {}; a file of your own is named with its ending, ./my_driver.toml",
-        known.join(", ")
+        "there is no driver {name:?}; {}; a file of your own is named with its ending, ./my_driver.toml",
+        choice(similar, known)
     )]
     Unknown {
         /// The name.
         name: String,
+        /// The names of presets of which it is a part.
+        similar: Vec<&'static str>,
         /// The names of the presets.
         known: Vec<&'static str>,
     },
@@ -43,4 +45,13 @@ pub enum DriverError {
         /// What it is.
         found: String,
     },
+}
+
+fn choice(similar: &[&str], known: &[&str]) -> String {
+    match similar {
+        [] => format!("the drivers are {}", known.join(", ")),
+        similar => {
+            format!("say which of {} it is: `thetahat init --from list` shows what they mean", similar.join(", "))
+        }
+    }
 }

@@ -16,6 +16,9 @@ pub struct Driver {
     pub title: String,
     /// What it means by torque or effort.
     pub effort: String,
+    /// Where this is documented, shown with what was assumed.
+    #[serde(default)]
+    pub source: Vec<String>,
     /// What the user should know, a sentence each.
     #[serde(default)]
     pub note: Vec<String>,

@@ -1,10 +1,11 @@
 use std::path::Path;
 
 use super::{error::DriverError, file::Driver, presets::PRESETS};
-use thetahat_ground::files;
+use thetahat_ground::{files, syntax::in_plain_words};
 
 impl Driver {
-    /// The preset of a name, or the driver of a file: a name with the ending `.toml`.
+    /// The preset of a name, or the driver of a file: a name with the ending `.toml`. A part of a name is enough where one preset alone
+    /// has it, as `go2` of `unitree-go2`.
     ///
     /// ```
     /// use thetahat::experiment::Driver;
@@ -23,10 +24,11 @@ impl Driver {
             let text = files::read_to_string(path).map_err(|e| unreadable(e.to_string()))?;
             return Self::parse(name, &text, path);
         }
-        let preset = PRESETS.iter().find(|(known, _)| *known == name);
-        match preset {
-            Some((name, text)) => Self::parse(name, text, Path::new(name)),
-            None => Err(DriverError::Unknown { name: name.to_owned(), known: Self::names().collect() }),
+        match preset(name) {
+            Ok((name, text)) => Self::parse(name, text, Path::new(name)),
+            Err(similar) => {
+                Err(DriverError::Unknown { name: name.to_owned(), similar, known: Self::names().collect() })
+            }
         }
     }
 
@@ -44,12 +46,29 @@ impl Driver {
     }
 
     fn parse(name: &str, text: &str, path: &Path) -> Result<Self, DriverError> {
-        let syntax = |e: toml::de::Error| {
-            let message = e.to_string().trim_end().to_owned();
-            DriverError::Syntax { path: path.to_owned(), message }
-        };
+        let syntax =
+            |e: toml::de::Error| DriverError::Syntax { path: path.to_owned(), message: in_plain_words(&e.to_string()) };
         let driver = Self { name: name.to_owned(), ..toml::from_str(text).map_err(syntax)? };
         driver.check(path)?;
         Ok(driver)
     }
+}
+
+/// The preset of a name or of a part of it; else the names that have the part.
+fn preset(name: &str) -> Result<(&'static str, &'static str), Vec<&'static str>> {
+    let asked = words(name);
+    let has_part = |known: &str| !asked.is_empty() && words(known).windows(asked.len()).any(|part| part == asked);
+    let is_whole = |known: &str| words(known) == asked;
+    let found: Vec<(&str, &str)> = PRESETS.iter().copied().filter(|(known, _)| has_part(known)).collect();
+    match found.iter().find(|(known, _)| is_whole(known)) {
+        Some(preset) => Ok(*preset),
+        None if found.len() == 1 => Ok(found[0]),
+        None => Err(found.into_iter().map(|(known, _)| known).collect()),
+    }
+}
+
+/// The words of a name, as `ur_rtde` and `UR-RTDE` have the same.
+fn words(name: &str) -> Vec<String> {
+    let parts = name.split(|c: char| !c.is_ascii_alphanumeric());
+    parts.filter(|part| !part.is_empty()).map(str::to_ascii_lowercase).collect()
 }

@@ -14,16 +14,27 @@ fn presets_are_the_files_of_the_folder() {
     for driver in Driver::presets().unwrap() {
         let text = std::fs::read_to_string(folder.join(format!("{}.toml", driver.name))).unwrap();
         assert!(text.starts_with("# ") && !driver.effort.is_empty(), "{}", driver.name);
-        assert!(text.contains("https://") || text.contains("in\n# the documentation of the robot"), "{}", driver.name);
-        assert!(driver.torque.is_some(), "{}", driver.name);
+        assert!(driver.torque.is_some() && !driver.source.is_empty(), "{}", driver.name);
     }
 }
 
 #[test]
 fn a_name_that_is_unknown_is_refused_with_those_that_are() {
-    let error = Driver::find("ur_rtde").unwrap_err().to_string();
-    assert!(error.contains("there is no driver \"ur_rtde\"; the drivers are cia402, doosan,"), "{error}");
+    let error = Driver::find("abb").unwrap_err().to_string();
+    assert!(error.contains("there is no driver \"abb\"; the drivers are cia402, doosan,"), "{error}");
+    let error = Driver::find("dynamixel").unwrap_err().to_string();
+    assert!(error.contains("say which of dynamixel-330, dynamixel-x it is"), "{error}");
     assert!(Driver::find("none.toml").unwrap_err().to_string().starts_with("none.toml: cannot be read"));
+}
+
+/// A part of a name that one preset alone has, and other spellings.
+#[test]
+fn a_part_of_a_name_is_enough_where_it_is_one_preset_s() {
+    for (name, expected) in [("go2", "unitree-go2"), ("UR_RTDE", "ur-rtde"), ("fri", "kuka-fri"), ("kinova", "kinova")]
+    {
+        assert_eq!(Driver::find(name).unwrap().name, expected);
+    }
+    assert!(["ur", "ros2", "r", "", "-"].into_iter().all(|name| Driver::find(name).is_err()));
 }
 
 #[test]

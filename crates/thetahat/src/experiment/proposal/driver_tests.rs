@@ -77,6 +77,8 @@ fn formats() -> Vec<Format> {
             gain: "-1",
             ..format("kuka-fri", "measuredJointPosition[#]", "measuredTorque[#]", "commandedJointPosition[#]")
         },
+        Format { per_torque: -1.0, gain: "-1", ..format("kuka-ros2", "@.position", "@.effort", "") },
+        Format { per_torque: -1.0, gain: "-1", ..format("kinova-ros2", "@.position", "@.effort", "") },
         degrees(Format {
             per_torque: -1.0,
             gain: "-1",

@@ -58,6 +58,8 @@ pub use request::ProposalRequest;
 pub use text::{Proposal, ProposedChannels, ProposedClock, ProposedDriver, ProposedRecording, ProposedSignal};
 
 #[cfg(test)]
+mod driver_bags;
+#[cfg(test)]
 mod driver_tests;
 #[cfg(test)]
 mod tests;

@@ -50,6 +50,7 @@ pub(super) fn proposed(
     let of_columns = missing(driver, sources).into_iter();
     Some(ProposedDriver {
         head: format!("Driver {} ({}). What it means by effort: {}.", driver.name, driver.title, driver.effort),
+        sources: driver.source.clone(),
         notes: driver.note.clone(),
         contradictions: of_columns.chain(of_channels).chain(of_rates).collect(),
     })

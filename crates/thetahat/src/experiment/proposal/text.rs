@@ -40,6 +40,8 @@ pub struct Proposal {
 pub struct ProposedDriver {
     /// The driver, and what it means by torque.
     pub head: String,
+    /// Where that is documented.
+    pub sources: Vec<String>,
     /// What the user should know of it.
     pub notes: Vec<String>,
     /// What in the log contradicts it.
@@ -220,7 +222,9 @@ impl Proposal {
         let Some(driver) = &self.driver else { return Vec::new() };
         let contradictions =
             driver.contradictions.iter().map(|what| format!("The log contradicts the driver: {what}."));
-        let lines = [driver.head.clone()].into_iter().chain(driver.notes.iter().cloned()).chain(contradictions);
+        let sources = driver.sources.iter().map(|source| format!("Source: {source}"));
+        let head = [driver.head.clone()].into_iter().chain(sources);
+        let lines = head.chain(driver.notes.iter().cloned()).chain(contradictions);
         lines.map(|line| visible(&line).into_owned()).collect()
     }
 

@@ -74,7 +74,7 @@ fn remedy(setup: Setup<'_>, problem: &Problem) -> (String, Option<RemedyStep>) {
     let change = 100.0 * (essential / whole - 1.0).abs();
     if change < VISIBLE_PERCENT {
         let remedy = format!(
-            "{motion}; leaving out {eliminated} parameters by estimate = \"essential\" does not change the error on parts left out"
+            "{motion}; leaving out {eliminated} parameters by estimate = \"essential\" in [parameters] does not change the error on parts left out"
         );
         return (remedy, None);
     }
@@ -85,7 +85,9 @@ fn remedy(setup: Setup<'_>, problem: &Problem) -> (String, Option<RemedyStep>) {
         significant(essential, 3)
     );
     if essential <= whole {
-        let remedy = format!("{motion}, or set estimate = \"essential\": {eliminated} parameters fewer, {errors}");
+        let remedy = format!(
+            "{motion}, or set estimate = \"essential\" in [parameters]: {eliminated} parameters fewer, {errors}"
+        );
         return (remedy, Some(RemedyStep::Essential { left_out: eliminated }));
     }
     (format!("{motion}; leave estimate as it is: \"essential\" predicts worse ({errors})"), None)
