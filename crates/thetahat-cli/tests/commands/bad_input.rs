@@ -772,10 +772,15 @@ fn a_joint_that_does_not_move_is_named() {
     let output = case.identify();
     assert_eq!(output.status.code(), Some(1));
     let text = String::from_utf8_lossy(&output.stdout);
-    assert!(text.contains("not identifiable") && text.contains("fv2 fc2"), "{text}");
-    let results = case.read("out/results.json");
-    assert!(results.contains("\"not_identifiable\"") && results.contains("fv2 fc2"), "{results}");
-    assert!(case.read("out/report.html").contains("fv2 fc2"));
+    let of_moving_joint = |name: &str| text.lines().any(|line| line.contains(name) && line.contains('\u{b1}'));
+    assert!(text.contains("converged") && ["m1r", "fv1", "fc1"].into_iter().all(of_moving_joint), "{text}");
+    let not_identified = text.split_once("not identified by the recordings\n").unwrap().1;
+    assert!(not_identified.lines().next().unwrap().ends_with("fv2 fc2"), "{text}");
+    let results: serde_json::Value = serde_json::from_str(&case.read("out/results.json")).unwrap();
+    let left_out: Vec<&str> =
+        results["not_separated"].as_array().unwrap().iter().filter_map(|p| p["parameter"].as_str()).collect();
+    assert!(left_out.contains(&"fv2") && left_out.contains(&"fc2"), "{left_out:?}");
+    assert!(case.read("out/report.html").contains("Left out: fv2, which has no effect in this motion."));
 }
 
 /// What the second recording would eliminate is no matter: it is predicted with the parameters of the first.

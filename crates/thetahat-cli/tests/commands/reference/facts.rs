@@ -138,7 +138,7 @@ pub const FINDINGS: [[&str; 4]; 41] = [
     [
         "position-quantised",
         "warning",
-        "noise of the acceleration, after a suitable filter, that the position's steps cause ({checks/motion/resolution STEP_LIMIT_PERCENT} %)",
+        "noise of the acceleration, after a suitable filter and the decimation, that the position's steps cause ({checks/motion/resolution STEP_LIMIT_PERCENT} %)",
         "record the encoder's own counts, or lower `cutoff_hz`",
     ],
     ["position-spikes", "warning, note", "as `torque-spikes`", "as `torque-spikes`"],
@@ -163,13 +163,13 @@ pub const FINDINGS: [[&str; 4]; 41] = [
     [
         "cutoff-low",
         "warning",
-        "rms torque that twice the cut-off explains and the cut-off does not, on stretches that were not fitted ({checks/time/cutoff LIMIT_PERCENT} %, and a squared error {checks/time/cutoff WORTH_IT} times as large)",
+        "rms torque that twice the cut-off explains and the cut-off does not, on stretches that were not fitted, without the rests of joints that stand most of the time ({checks/time/cutoff LIMIT_PERCENT} %, and a squared error {checks/time/cutoff WORTH_IT} times as large)",
         "raise `cutoff_hz` to the value in the message, which was tried",
     ],
     [
         "cutoff-high",
         "warning",
-        "part of the filtered acceleration that is white noise of the position ({checks/motion/resolution NOISE_LIMIT_PERCENT} %)",
+        "part of the acceleration, after filter and decimation, that is white noise of the position ({checks/motion/resolution NOISE_LIMIT_PERCENT} %)",
         "lower `cutoff_hz` to about five times the motion's bandwidth",
     ],
     [
@@ -186,8 +186,8 @@ pub const FINDINGS: [[&str; 4]; 41] = [
     ],
     [
         "not-excited",
-        "problem, warning, note",
-        "a problem: parameters that others span exactly. A warning: variance inflation above {checks/motion/excitation INFLATION_LIMIT}. A note: estimates with a relative standard deviation above {run/validation/uncertain LIMIT_PERCENT} %",
+        "warning, note",
+        "a warning: parameters that others span exactly, which `identify` leaves out, or variance inflation above {checks/motion/excitation INFLATION_LIMIT}. A note: estimates with a relative standard deviation above {run/validation/uncertain LIMIT_PERCENT} %",
         "move the joints faster and in other configurations, or leave parameters out: `exclude` or `estimate = \"essential\"` in `[parameters]`",
     ],
     [

@@ -11,6 +11,9 @@ use thetahat_ground::linear_algebra::{Matrix, PivotedQr, dot};
 /// Relative size of the last diagonal entries of R below which a column counts as dependent, as for the estimate.
 const RANK_TOLERANCE: f64 = 1e-10;
 
+/// Standard deviation of a torque, relative to its rms, up to which it is constant: rounding.
+const CONSTANT: f64 = 1e-12;
+
 /// Stretches of time, of which every other one is held out.
 const STRETCHES: usize = 10;
 
@@ -160,9 +163,9 @@ impl OrthogonalFit {
     }
 }
 
-/// The rows weighted by one over the standard deviation of their coordinate's torque, or by one if that is zero.
+/// The rows weighted by one over the standard deviation of their coordinate's torque, or by one if the torque is constant.
 fn weighted(regression: &Regression) -> Regression {
-    let weight = |y: &Vec<f64>| Some(deviation(y)).filter(|s| *s > 0.0).map_or(1.0, f64::recip);
+    let weight = |y: &Vec<f64>| Some(deviation(y)).filter(|s| *s > CONSTANT * rms(y)).map_or(1.0, f64::recip);
     let weights: Vec<f64> = regression.layout.by_joint(&regression.y).iter().map(weight).collect();
     regression.with_weights(Some(regression.layout.spread(|block| weights[block.joint])))
 }

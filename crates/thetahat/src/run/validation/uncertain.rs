@@ -78,16 +78,10 @@ fn remedy(setup: Setup<'_>, problem: &Problem) -> (String, Option<RemedyStep>) {
         );
         return (remedy, None);
     }
-    let errors = format!(
-        "cross-validated error {} from {} to {} %",
-        if essential <= whole { "falls" } else { "rises" },
-        significant(whole, 3),
-        significant(essential, 3)
-    );
+    let errors = format!("cross-validated error from {} to {} %", significant(whole, 3), significant(essential, 3));
     if essential <= whole {
-        let remedy = format!(
-            "{motion}, or set estimate = \"essential\" in [parameters]: {eliminated} parameters fewer, {errors}"
-        );
+        let remedy =
+            format!("{motion}, or set estimate = \"essential\" in [parameters] ({eliminated} fewer: {errors})");
         return (remedy, Some(RemedyStep::Essential { left_out: eliminated }));
     }
     (format!("{motion}; leave estimate as it is: \"essential\" predicts worse ({errors})"), None)

@@ -166,8 +166,8 @@ fn values() -> Vec<Corruption> {
     vec![
         with("torque 2 limited to 60 % of its peak", TorqueSaturated, 2, |r| limit(&mut r.torque, 2, 0.6)),
         with("torque 4 limited to 80 % of its peak", TorqueSaturated, 4, |r| limit(&mut r.torque, 4, 0.8)),
-        with("position 3 in steps of 0.1 degree", PositionQuantised, 3, |r| {
-            quantise(&mut r.position, 3, 0.1_f64.to_radians())
+        with("position 3 in steps of 1 degree", PositionQuantised, 3, |r| {
+            quantise(&mut r.position, 3, 1_f64.to_radians())
         }),
         with("torque 1 in 12 steps of its range", TorqueQuantised, 1, |r| {
             let range = peak(&r.torque, 1) / 6.0;
@@ -196,8 +196,8 @@ fn motion_and_filter() -> Vec<Corruption> {
             insert_rest(r, rest, 7500);
         }),
         with("position filter at 4 Hz", CutoffLow, None, |r| r.signal.cutoff_hz = 4.0),
-        with("position filter at 2000 Hz, every 4th sample a row", CutoffHigh, None, |r| {
-            (r.signal.cutoff_hz, r.signal.decimation) = (2000.0, 4);
+        with("position filter at 2000 Hz, every sample a row", CutoffHigh, None, |r| {
+            (r.signal.cutoff_hz, r.signal.decimation) = (2000.0, 1);
         }),
         with("a window of one move", NotExcited, None, |r| r.signal.window = 1500..4200),
         with("joint 6 without motion, its parameters estimated", NotExcited, None, |r| {

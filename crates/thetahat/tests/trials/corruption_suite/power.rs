@@ -61,7 +61,7 @@ pub fn powers() -> Vec<Power> {
         by("torque 2 limited to part of its peak", TorqueSaturated, "", &[0.7, 0.8, 0.9, 0.95, 0.99], |r, part| {
             limit(&mut r.torque, 2, part);
         }),
-        by("steps of position 3", PositionQuantised, "rad", &[3e-3, 2e-3, 1e-3, 5e-4, 2e-4], |r, step| {
+        by("steps of position 3", PositionQuantised, "rad", &[3e-2, 2e-2, 1e-2, 5e-3, 3e-3, 2e-3], |r, step| {
             quantise(&mut r.position, 3, step);
         }),
         by("steps of torque 1, part of its peak", TorqueQuantised, "", &[0.2, 0.1, 0.05, 0.02, 0.01], |r, part| {
@@ -82,12 +82,12 @@ pub fn powers() -> Vec<Power> {
         }),
         by("position filter", CutoffLow, "Hz", &[3.0, 4.0, 5.0, 7.0, 10.0, 15.0], |r, hz| r.signal.cutoff_hz = hz),
         by(
-            "position filter, every 4th sample a row",
+            "position filter, every sample a row",
             CutoffHigh,
             "Hz",
             &[2000.0, 1500.0, 1000.0, 700.0, 500.0],
             |r, hz| {
-                (r.signal.cutoff_hz, r.signal.decimation) = (hz, 4);
+                (r.signal.cutoff_hz, r.signal.decimation) = (hz, 1);
             },
         ),
     ]
