@@ -178,7 +178,7 @@ impl Setup<'_> {
         Ok(SelectedParameters { estimated, columns, elimination, dependent })
     }
 
-    /// The elimination among some columns of the base; none where even these cannot be estimated, and the runs say why.
+    /// The elimination among some columns of the base; none if even these cannot be estimated, and the runs say why.
     fn essential(&self, of: (&Model, &BaseParameters), all: &Regression, separated: &[usize]) -> Option<Elimination> {
         let rule = self.settings.parameters.elimination;
         let simulable = Simulable::new(self.robot, of, all, separated);

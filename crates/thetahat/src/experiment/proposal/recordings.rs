@@ -39,7 +39,7 @@ pub fn propose(
     Ok(proposed(request, description, contents)?.0)
 }
 
-/// [`propose`] with the joints locked that stand in all recordings: they tell nothing of themselves.
+/// [`propose`] with the joints locked that stand in all recordings: nothing of their own can be identified.
 ///
 /// # Errors
 /// As [`propose`].
