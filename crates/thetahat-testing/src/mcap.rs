@@ -1,4 +1,4 @@
-//! Bags in MCAP as a recorder writes them, without chunks: https://mcap.dev/spec
+//! Bags in MCAP as a recorder writes them, without chunks: <https://mcap.dev/spec>
 
 const MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', b'0', b'\r', b'\n'];
 const HEADER: u8 = 1;
