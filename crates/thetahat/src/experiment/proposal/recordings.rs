@@ -12,13 +12,13 @@ use super::{
     request::ProposalRequest,
     source::{SelectedColumn, Source},
     standing::standing,
-    stated::{Stated, with_torque_gain},
+    stated::Stated,
     text::{Proposal, ProposedChannels, ProposedRecording, ProposedSignal},
     unit_names::Misfit,
     units::{Measured, Units, range},
 };
 use thetahat_data::recording::Contents;
-use thetahat_ground::visible::visible;
+use thetahat_ground::{one_or_each::OneOrEach, visible::visible};
 use thetahat_model::robot::{Robot, RobotSource};
 
 /// A reference whose range is beyond this many times the positions', or below the inverse, is in another unit.
@@ -237,6 +237,16 @@ impl<'a> Describer<'_, 'a> {
             format!("Left out: the positions' range is {ratio:.4} times its range; add gain = [...] to put it right.");
         ProposedChannels { comment: format!("{} {why}", channels.comment), left_out: true, ..channels }
     }
+}
+
+/// The channels of torques with the gains that are stated, in place of those that were found or are to be filled in.
+fn with_torque_gain(request: &ProposalRequest, channels: ProposedChannels) -> ProposedChannels {
+    let factor = match &request.torque_gain[..] {
+        [] => return channels,
+        [one] => OneOrEach::One(*one),
+        several => OneOrEach::Each(several.to_vec()),
+    };
+    ProposedChannels { gain: None, factor: Some(factor), ..channels }
 }
 
 /// From the least to the largest value, in SI units.

@@ -2,9 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::{request::ProposalRequest, text::ProposedChannels};
+use super::request::ProposalRequest;
 use thetahat_estimation::identification::Method;
-use thetahat_ground::one_or_each::OneOrEach;
 
 /// The tables `[estimation]` and `[controller]`: the usual methods without a controller where nothing is stated.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -77,14 +76,4 @@ fn gains(gains: &[f64]) -> String {
         [one] => one.to_string(),
         several => format!("[{}]", several.iter().map(f64::to_string).collect::<Vec<_>>().join(", ")),
     }
-}
-
-/// The channels of torques with the gains that are stated, in place of those that were found or are to be filled in.
-pub(super) fn with_torque_gain(request: &ProposalRequest, channels: ProposedChannels) -> ProposedChannels {
-    let factor = match &request.torque_gain[..] {
-        [] => return channels,
-        [one] => OneOrEach::One(*one),
-        several => OneOrEach::Each(several.to_vec()),
-    };
-    ProposedChannels { gain: None, factor: Some(factor), ..channels }
 }
