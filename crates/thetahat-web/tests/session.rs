@@ -100,18 +100,16 @@ fn a_gain_is_filled_in_by_hand() -> Outcome<()> {
 /// The samples can be identified as they are proposed; of the faulty one the fault is found, and has its remedy.
 #[test]
 fn samples_are_recorded() -> Outcome<()> {
-    for (name, joints, remedies) in
-        [("arm", 3, json!([])), ("axis", 1, json!([])), ("exchanged", 3, json!("joints-swapped-1-2"))]
-    {
+    for (name, joints, is_faulty) in [("arm", 3, false), ("axis", 1, false), ("exchanged", 3, true)] {
         let folder = Folder::new();
         let mut session = Session::in_folder(folder.path());
         let sample = answer(&session.sample(name)?);
         let understood = answer(&session.understand(&sample["request"].to_string())?);
         assert_eq!(understood["proposal_error"], Value::Null, "{name}");
         assert_eq!(understood["proposal"]["joints"].as_array().map(Vec::len), Some(joints), "{name}");
-        let found =
-            understood["remedies"].as_array().unwrap().first().map_or(json!([]), |remedy| remedy["code"].clone());
-        assert_eq!(found, remedies, "{name}");
+        let remedies = understood["remedies"].as_array().unwrap();
+        let is_found = remedies.iter().any(|remedy| remedy["code"] == "joints-swapped-1-2");
+        assert_eq!(is_found, is_faulty, "{name}: {remedies:?}");
     }
     let folder = Folder::new();
     let error = Session::in_folder(folder.path()).sample("other").unwrap_err();
@@ -134,7 +132,8 @@ fn gains_and_methods_of_a_request_are_proposed() -> Outcome<()> {
     let toml = proposal["toml"].as_str().unwrap();
     assert!(toml.contains("methods = [\"idim-wls\", \"didim\"]") && toml.contains("position_gain = 4000"), "{toml}");
     request["methods"] = json!(["idim"]);
-    assert!(session.understand(&request.to_string()).unwrap_err().to_string().contains("expected one of idim-ls"));
+    let error = session.understand(&request.to_string()).unwrap_err().to_string();
+    assert!(error.contains("idim") && error.contains("idim-wls"), "{error}");
     Ok(())
 }
 
