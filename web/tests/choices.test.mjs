@@ -4,8 +4,8 @@ import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { folderOf, thetahat } from "./command.mjs";
-import { ARM, choose, identify, openFolds, openSite, REPOSITORY, status, takeDemo, untilReady, visit } from "./site.mjs";
+import { armFolder, thetahat } from "./command.mjs";
+import { ARM, choose, identify, openFolds, openSite, status, takeDemo, untilReady, visit } from "./site.mjs";
 
 let site;
 before(async () => { site = await openSite(); });
@@ -13,8 +13,7 @@ after(() => site.close());
 
 /** A page with the arm and its log understood, and a folder with both. */
 async function understood(t) {
-  const folder = folderOf(t, [ARM, join(REPOSITORY, "examples/arm/twin.toml")]);
-  thetahat(folder, "simulate", "twin.toml", "--out", "log.csv");
+  const folder = armFolder(t);
   const { page, assertQuiet, close } = await visit(site);
   t.after(close);
   await choose(page, "Choose robot", [ARM]);
@@ -114,8 +113,7 @@ test("an experiment that is changed by hand is the one that runs, and choices do
 test("a gain that no file holds is filled in by hand", async (t) => {
   const { page, assertQuiet, close } = await visit(site);
   t.after(close);
-  const folder = folderOf(t, [ARM, join(REPOSITORY, "examples/arm/twin.toml")]);
-  thetahat(folder, "simulate", "twin.toml", "--out", "log.csv");
+  const folder = armFolder(t);
   const log = readFileSync(join(folder, "log.csv"), "utf8");
   const percent = log.replace(/torque_(\d)/g, "torque_$1 [%]");
   writeFileSync(join(folder, "percent.csv"), percent);
@@ -133,8 +131,7 @@ test("a gain that no file holds is filled in by hand", async (t) => {
 test("the drive gain, the controller and the methods are stated in fields", async (t) => {
   const { page, assertQuiet, close } = await visit(site);
   t.after(close);
-  const folder = folderOf(t, [ARM, join(REPOSITORY, "examples/arm/twin.toml")]);
-  thetahat(folder, "simulate", "twin.toml", "--out", "log.csv");
+  const folder = armFolder(t);
   const log = readFileSync(join(folder, "log.csv"), "utf8");
   writeFileSync(join(folder, "percent.csv"), log.replace(/torque_(\d)/g, "torque_$1 [%]"));
   await choose(page, "Choose robot", [ARM]);

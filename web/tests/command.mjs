@@ -6,7 +6,7 @@ import { copyFileSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "
 import { tmpdir } from "node:os";
 import { basename, join } from "node:path";
 import { differences } from "./numbers.mjs";
-import { REPOSITORY } from "./site.mjs";
+import { ARM, REPOSITORY } from "./site.mjs";
 
 const PROGRAM = process.env.THETAHAT ?? join(REPOSITORY, "target/release/thetahat");
 
@@ -22,6 +22,13 @@ export function folderOf(t, files) {
   const folder = mkdtempSync(join(tmpdir(), "thetahat-web-"));
   t.after(() => rmSync(folder, { recursive: true }));
   for (const file of files) copyFileSync(file, join(folder, basename(file)));
+  return folder;
+}
+
+/** The same with the arm of the tutorial and its log, log.csv. */
+export function armFolder(t) {
+  const folder = folderOf(t, [ARM, join(REPOSITORY, "examples/arm/twin.toml")]);
+  thetahat(folder, "simulate", "twin.toml", "--out", "log.csv");
   return folder;
 }
 

@@ -5,8 +5,8 @@ import { createWriteStream, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { finished } from "node:stream/promises";
 import { after, before, test } from "node:test";
-import { folderOf, thetahat } from "./command.mjs";
-import { ARM, choose, identify, openFolds, openSite, REPOSITORY, saved, status, takeDemo, untilKept, untilReady, visit } from "./site.mjs";
+import { armFolder } from "./command.mjs";
+import { ARM, choose, identify, openFolds, openSite, saved, status, takeDemo, untilKept, untilReady, visit } from "./site.mjs";
 
 /** Bytes of a long recording. */
 const LONG = 25e6;
@@ -14,13 +14,6 @@ const LONG = 25e6;
 let site;
 before(async () => { site = await openSite(); });
 after(() => site.close());
-
-/** A folder with the arm and its log. */
-function armFolder(t) {
-  const folder = folderOf(t, [ARM, join(REPOSITORY, "examples/arm/twin.toml")]);
-  thetahat(folder, "simulate", "twin.toml", "--out", "log.csv");
-  return folder;
-}
 
 test("a reload keeps files, choices and the result, and Start over forgets them", async (t) => {
   const folder = armFolder(t);

@@ -3,9 +3,9 @@
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import { test } from "node:test";
-import { folderOf, thetahat } from "./command.mjs";
+import { armFolder } from "./command.mjs";
 import { textOf } from "./numbers.mjs";
-import { ARM, choose, identify, openFolds, openSite, REPOSITORY, saved, status, takeDemo, untilReady, visit } from "./site.mjs";
+import { ARM, choose, identify, openFolds, openSite, saved, status, takeDemo, untilReady, visit } from "./site.mjs";
 
 /** What a page that is served with some headers, or those of `web/serve`, makes of files. */
 async function answered(t, work, headers) {
@@ -26,8 +26,7 @@ async function answered(t, work, headers) {
 
 /** The log of the tutorial's arm, for which the filter is chosen too. */
 function armOf(t) {
-  const folder = folderOf(t, [ARM, join(REPOSITORY, "examples/arm/twin.toml")]);
-  thetahat(folder, "simulate", "twin.toml", "--out", "log.csv");
+  const folder = armFolder(t);
   return async (page) => {
     await choose(page, "Choose robot", [ARM]);
     await choose(page, "Choose logs", [join(folder, "log.csv")]);

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { assertSame, folderOf, identified, proposed, thetahat } from "./command.mjs";
+import { armFolder, assertSame, folderOf, identified, proposed, thetahat } from "./command.mjs";
 import { differences } from "./numbers.mjs";
 import { ARM, choose, dataset, identify, openFolds, openSite, REPOSITORY, saved, takeDemo, untilReady, visit } from "./site.mjs";
 
@@ -38,8 +38,7 @@ test("the demo: the verdict, the report and the files", async (t) => {
 });
 
 test("a robot and its log: the figures and the files of the command line", async (t) => {
-  const folder = folderOf(t, [ARM, join(REPOSITORY, "examples/arm/twin.toml")]);
-  thetahat(folder, "simulate", "twin.toml", "--out", "log.csv");
+  const folder = armFolder(t);
   const page = await compare(t, ARM, [join(folder, "log.csv")], 3);
   await page.getByRole("button", { name: "MJCF", exact: true }).click();
   const mjcf = await saved(page, "arm.xml");
@@ -61,8 +60,7 @@ for (const { name, robot, logs } of RECORDED) {
 }
 
 test("a remedy: one button mends the experiment and identifies again", async (t) => {
-  const folder = folderOf(t, [ARM, join(REPOSITORY, "examples/arm/twin.toml")]);
-  thetahat(folder, "simulate", "twin.toml", "--out", "log.csv");
+  const folder = armFolder(t);
   const log = join(folder, "log.csv");
   // The names of the first two torques exchanged.
   const text = readFileSync(log, "utf8");

@@ -56,9 +56,10 @@ struct SelectedParameters {
 }
 
 impl Setup<'_> {
-    /// Builds y and X for the friction model of a case, and chooses the parameters.
+    /// Builds y and X for the friction model of a case, and chooses the parameters among those that the motion separates.
     pub(crate) fn problem(&self, case: &Case, recordings: &[&FilteredRecording]) -> Result<Problem, PreparationError> {
-        self.problem_on(self.basis(case)?, recordings, &self.settings.parameters.estimate)
+        let choice = &self.settings.parameters.estimate;
+        self.problem_on(self.basis(case)?, recordings, choice)?.of_separated(choice)
     }
 
     /// Builds y and X of other recordings for parameters that are estimated already.
@@ -149,8 +150,7 @@ impl Setup<'_> {
         PreparationError::require(rows > parameters, "[signal] decimation", &expected, decimation)
     }
 
-    /// Chooses parameters from the regression of all base parameters. What the motion does not separate from others is left out, unless
-    /// the parameters are listed.
+    /// Chooses parameters from the regression of all base parameters; an elimination begins with those that the motion separates.
     fn choose(
         &self,
         choice: &ParameterChoice,
@@ -162,8 +162,7 @@ impl Setup<'_> {
         let (names, elimination, dependent): (Vec<String>, _, _) = match choice {
             ParameterChoice::List(names) => (names.clone(), None, Vec::new()),
             ParameterChoice::Base | ParameterChoice::Named(NamedChoice::Base | NamedChoice::Drives) => {
-                let SeparatedColumns { kept, dependent } = SeparatedColumns::of(&all.x);
-                (kept.into_iter().map(name).collect(), None, dependent)
+                ((0..base.len()).map(name).collect(), None, Vec::new())
             }
             ParameterChoice::Named(NamedChoice::Essential) => {
                 let SeparatedColumns { kept, dependent } = SeparatedColumns::of(&all.x);
@@ -172,9 +171,7 @@ impl Setup<'_> {
                 (kept.into_iter().map(name).collect(), elimination, dependent)
             }
         };
-        let estimated = base.select(model.parameter_table(), &names)?;
-        let column = |p: &BaseParameter| base.columns().iter().position(|&c| c == p.kept);
-        let columns = estimated.parameters().iter().filter_map(column).collect();
+        let (estimated, columns) = selected((model, base), &names)?;
         Ok(SelectedParameters { estimated, columns, elimination, dependent })
     }
 
@@ -189,7 +186,37 @@ impl Setup<'_> {
     }
 }
 
+/// Parameters of a base by their names, with their columns.
+fn selected(
+    (model, base): (&Model, &BaseParameters),
+    names: &[String],
+) -> Result<(BaseParameters, Vec<usize>), PreparationError> {
+    let estimated = base.select(model.parameter_table(), names)?;
+    let column = |p: &BaseParameter| base.columns().iter().position(|&c| c == p.kept);
+    let columns = estimated.parameters().iter().filter_map(column).collect();
+    Ok((estimated, columns))
+}
+
 impl Problem {
+    /// The same without the parameters that the motion does not separate from others, where all of a base are to be estimated.
+    pub(crate) fn of_separated(self, choice: &ParameterChoice) -> Result<Self, PreparationError> {
+        let is_whole = match choice {
+            ParameterChoice::Base | ParameterChoice::Named(NamedChoice::Base | NamedChoice::Drives) => true,
+            ParameterChoice::List(_) | ParameterChoice::Named(NamedChoice::Essential) => false,
+        };
+        if !is_whole {
+            return Ok(self);
+        }
+        let SeparatedColumns { kept, dependent } = SeparatedColumns::of(&self.regression.x);
+        if dependent.is_empty() {
+            return Ok(self);
+        }
+        let names: Vec<String> = kept.iter().map(|&c| self.base.parameters()[c].name.clone()).collect();
+        let (estimated, columns) = selected((&self.model, &self.base), &names)?;
+        let regression = self.regression.with_columns(&columns);
+        Ok(Self { estimated, dependent, full: Some(self.regression), regression, ..self })
+    }
+
     /// The rows with X of all base parameters.
     pub(crate) fn all_columns(&self) -> &Regression {
         self.full.as_ref().unwrap_or(&self.regression)

@@ -37,7 +37,7 @@ const MOST_WORK: f64 = 2e7;
 
 /// Speed, part of the coordinate's largest, up to which it is near rest.
 const NEAR_REST: f64 = 0.02;
-/// Rows over which the filter of the rows spreads what happens within one.
+/// Rows after which a step that passes the filter of the rows has settled to 2 %.
 const MEMORY_ROWS: usize = 4;
 /// Fewest rows of a coordinate for meaningful statistics.
 const FEWEST_ROWS: usize = 40;

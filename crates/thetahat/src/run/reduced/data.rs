@@ -51,7 +51,7 @@ impl<'a> ReducedIdentification<'a> {
     /// [`PreparationError`] for settings that do not fit the rows.
     pub(crate) fn new(setup: Setup<'a>, basis: Basis, data: ReducedData) -> Result<Self, PreparationError> {
         let choice = &setup.settings.parameters.estimate;
-        let problem = setup.problem_of_rows(basis, data.regression.clone(), choice)?;
+        let problem = setup.problem_of_rows(basis, data.regression.clone(), choice)?.of_separated(choice)?;
         let columns = problem.estimated_columns();
         Ok(Self { setup, problem: CaseProblem::new(setup.robot.friction, problem), columns, data })
     }

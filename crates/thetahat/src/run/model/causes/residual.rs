@@ -23,8 +23,10 @@ const HALVINGS: usize = 30;
 const LEAST: f64 = 1e-300;
 
 pub(super) struct Residual {
+    /// The columns that the motion separates, of all parameters, with their factor.
+    separated: Vec<usize>,
     factor: PivotedQr,
-    rank: usize,
+    parameters: usize,
     rest: Vec<f64>,
     /// Norm of the whitened torques.
     torque: f64,
@@ -60,9 +62,8 @@ impl Residual {
         let mut scale: Vec<f64> = rows.layout.spread(|block| 1.0 / deviations[block.joint]);
         scale.iter_mut().zip(left_out).filter(|(_, out)| **out).for_each(|(s, _)| *s = 0.0);
         let x = rows.x.scale_rows(&scale);
-        let factor = PivotedQr::with_equal_columns(&x);
-        let rank = factor.rank(RANK);
-        let explained = leading(&factor, rank);
+        let (separated, factor) = separated(&x);
+        let explained = leading(&factor, separated.len());
         let y: Vec<f64> = rows.y.iter().zip(&scale).map(|(y, s)| y * s).collect();
         let torque = norm(&y);
         let rest = outside(&explained, &y);
@@ -76,7 +77,8 @@ impl Residual {
                 Candidate { columns: outside_all(&explained, &whitened), whitened, sizes, cause, instrument }
             })
             .collect();
-        (torque > 0.0).then_some(Self { factor, rank, rest, torque, layout: rows.layout.clone(), candidates })
+        let (parameters, layout) = (x.columns(), rows.layout.clone());
+        (torque > 0.0).then_some(Self { separated, factor, parameters, rest, torque, layout, candidates })
     }
 
     /// What a cause explains of the residual; none if no motion of the recordings shows it.
@@ -178,18 +180,33 @@ impl Residual {
         }
     }
 
-    /// How far a cause moved each base parameter, in its deviations: `(X^T X)^-1 X^T c` times the cause's size. Zero where the
-    /// motion does not separate the parameters.
+    /// How far a cause moved each base parameter, in its deviations: `(X^T X)^-1 X^T c` times the cause's size. Zero for those that the
+    /// motion does not separate from the others.
     pub(super) fn shifts(&self, candidate: usize, found: &Evidence) -> Vec<f64> {
         let whitened = &self.candidates[candidate].whitened;
-        let parameters = self.factor.pivots().len();
-        if self.rank < parameters || found.coefficients.len() != whitened.columns() {
-            return vec![0.0; parameters];
+        let mut shifts = vec![0.0; self.parameters];
+        if found.coefficients.len() != whitened.columns() {
+            return shifts;
         }
-        let shift = self.factor.solve(&whitened.times(&found.coefficients));
+        let moved = self.factor.solve(&whitened.times(&found.coefficients));
         let covariance = self.factor.inverse_gram();
-        (0..parameters).map(|i| shift[i] / covariance.at(i, i).max(f64::MIN_POSITIVE).sqrt()).collect()
+        for (k, &column) in self.separated.iter().enumerate() {
+            shifts[column] = moved[k] / covariance.at(k, k).max(f64::MIN_POSITIVE).sqrt();
+        }
+        shifts
     }
+}
+
+/// The columns that the motion separates, ascending, and the factor of these.
+fn separated(x: &Matrix) -> (Vec<usize>, PivotedQr) {
+    let factor = PivotedQr::with_equal_columns(x);
+    let mut columns = factor.pivots()[..factor.rank(RANK)].to_vec();
+    columns.sort_unstable();
+    if columns.len() == x.columns() {
+        return (columns, factor);
+    }
+    let factor = PivotedQr::with_equal_columns(&x.select_columns(&columns));
+    (columns, factor)
 }
 
 /// Size, in deviations, of an error whose evidence in `count` columns has a probability of less than `log10_p` by chance in
@@ -212,4 +229,60 @@ fn outside(basis: &Matrix, rows: &[f64]) -> Vec<f64> {
 
 fn outside_all(basis: &Matrix, columns: &Matrix) -> Matrix {
     columns.plus(&basis.times_matrix(&basis.transposed_times(columns)), -1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use thetahat_report::results::CauseKind;
+
+    const ROWS: usize = 400;
+
+    /// Columns t, sin 3t, 2 sin 3t where they are three, and cos 7t as an error of the robot, which t and cos 7t explain in part.
+    fn value(k: usize) -> [f64; 4] {
+        let t = k as f64 / ROWS as f64;
+        let (wave, error) = ((3.0 * t).sin(), (7.0 * t).cos());
+        [t, wave, 2.0 * wave, error]
+    }
+
+    fn cause(column: impl Fn(usize) -> f64, members: Vec<usize>) -> Cause {
+        let columns = vec![(0..ROWS).map(column).collect()];
+        Cause { kind: CauseKind::EncoderZero, subject: String::new(), unit: "rad", columns, instrument: None, members }
+    }
+
+    fn residual(columns: &[usize], causes: Vec<Cause>) -> Residual {
+        let x = Matrix::from_fn(ROWS, columns.len(), |k, c| value(k)[columns[c]]);
+        let noise = |k: usize| 0.01 * (1e4 * (k as f64 + 0.5).sin()).fract();
+        let y = (0..ROWS).map(|k| value(k)[0] + value(k)[1] + 0.3 * value(k)[3] + noise(k)).collect();
+        let layout = RowLayout::new(1, &[ROWS]);
+        let rows = ModelRows { x, y, layout, decimators: Vec::new(), weights: vec![1.0; ROWS] };
+        Residual::new(&rows, &[0.01], &[false; ROWS], causes).unwrap()
+    }
+
+    /// What a cause moves is known of the separated columns where others are not separated.
+    #[test]
+    fn a_column_that_is_not_separated_hides_no_shift_of_the_others() {
+        let shift_of_first = |columns: &[usize]| {
+            let residual = residual(columns, vec![cause(|k| value(k)[3], Vec::new())]);
+            let found = residual.test(0).unwrap();
+            residual.shifts(0, &found)[0]
+        };
+        let [whole, deficient] = [&[0, 1][..], &[0, 1, 2]].map(shift_of_first);
+        assert!(whole.abs() > 1.0 && (deficient / whole - 1.0).abs() < 1e-6, "{whole} {deficient}");
+    }
+
+    /// Another cause that no motion shows hides nothing, whatever rounding leaves of it.
+    #[test]
+    fn a_cause_that_no_motion_shows_is_not_among_the_others() {
+        let invisible = |sign: f64| cause(move |k| value(k)[0] * (1.0 + sign * 1e-13 * (k % 7) as f64), Vec::new());
+        let with_others = |sign: f64| {
+            let single = [cause(|k| value(k)[3], Vec::new()), invisible(sign)];
+            let both = Cause { columns: single.iter().flat_map(|c| c.columns.clone()).collect(), ..single[0].clone() };
+            let both = Cause { members: vec![0, 1], ..both };
+            let [first, second] = single;
+            residual(&[0, 1], vec![first, second, both]).column_with_others(0).unwrap()
+        };
+        let ((a, count), (b, _)) = (with_others(1.0), with_others(-1.0));
+        assert_eq!((count, a), (1, b));
+    }
 }
