@@ -20,9 +20,18 @@ const HEADERS = {
   "Cache-Control": "no-cache",
 };
 
-/** The file behind an address; none where there is no such file. */
-function fileOf(url, folder) {
-  const path = normalize(decodeURIComponent(new URL(url, "http://localhost").pathname));
+/** The path of an address; none where it is no address. */
+function pathOf(url) {
+  try {
+    return normalize(decodeURIComponent(new URL(url, "http://localhost").pathname));
+  } catch {
+    return null;
+  }
+}
+
+/** The file behind a path; none where there is no such file. */
+function fileOf(path, folder) {
+  if (path.includes("\0")) return null;
   const file = join(folder, path.endsWith("/") ? `${path}index.html` : path);
   return file.startsWith(folder) && statSync(file, { throwIfNoEntry: false })?.isFile() ? file : null;
 }
@@ -41,12 +50,14 @@ function formOf(file, request) {
 /** A server that listens on localhost alone; port 0 takes any that is free. */
 export function serve(port = 8000, { folder = DIST, headers = HEADERS } = {}) {
   const server = createServer((request, response) => {
-    const file = fileOf(request.url, folder);
+    const asked = pathOf(request.url);
+    if (asked === null) return response.writeHead(400, headers).end("not an address\n");
+    const file = fileOf(asked, folder);
     if (!file) return response.writeHead(404, headers).end("not found\n");
     const { path, encoding } = formOf(file, request);
     const type = TYPES[extname(file)] ?? "application/octet-stream";
     response.writeHead(200, { ...headers, ...encoding, "Content-Type": type, Vary: "Accept-Encoding" });
-    return createReadStream(path).pipe(response);
+    return createReadStream(path).on("error", () => response.destroy()).pipe(response);
   });
   return new Promise((resolve, reject) => {
     server.on("error", reject).listen(port, "127.0.0.1", () => resolve(server));

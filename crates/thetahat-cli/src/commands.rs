@@ -12,7 +12,7 @@ use thetahat::{
     robot::{Locks, RobotSource, RobotSummary, XacroOptions},
     symbolic::BaseFormulas,
 };
-use thetahat_ground::output::{OutputGuard, replace_file};
+use thetahat_ground::output::{FileKind, OutputGuard, replace_file};
 use thetahat_report::report;
 
 use crate::{
@@ -79,7 +79,7 @@ fn compare_filters(experiment: &Experiment, data: &Path) -> Result<(), Box<dyn E
 
 fn compare_results(request: &Compare) -> Result<Ending, Box<dyn Error>> {
     if let Some(path) = &request.out {
-        OutputGuard::new(request.results.iter().cloned(), request.force.force).file(path)?;
+        OutputGuard::new(request.results.iter().cloned(), request.force.force).file(path, report::COMPARISON_PAGE)?;
     }
     let read = |path: &PathBuf| Ok((path.clone(), Results::read(path)?));
     let results = request.results.iter().map(read).collect::<Result<Vec<_>, ResultsError>>()?;
@@ -108,7 +108,8 @@ fn run_experiment(
     apply: Option<&str>,
 ) -> Result<Ending, Box<dyn Error>> {
     if let Some(directory) = &output.out {
-        OutputGuard::new(experiment.input_files(data), output.force.force).folder(directory, report::file_names())?;
+        let guard = OutputGuard::new(experiment.input_files(data), output.force.force).of_robot(&experiment.robot.name);
+        guard.folder(directory, report::files())?;
     }
     let published = experiment.published_path().map(|path| Published::read(&path)).transpose()?;
     let mut progress = Progress::new();
@@ -120,7 +121,7 @@ fn run_experiment(
 fn predict_torques(request: &Predict) -> Result<Ending, Box<dyn Error>> {
     if let Some(path) = &request.out {
         let inputs = [&request.results, &request.recording].into_iter().chain(&request.torque_file).cloned();
-        OutputGuard::new(inputs, request.force.force).file(path)?;
+        OutputGuard::new(inputs, request.force.force).file(path, FileKind::Prediction)?;
     }
     let prediction = predict(&PredictionRequest {
         results: request.results.clone(),
@@ -165,7 +166,8 @@ fn sweep_errors(sensitivity: &Sensitivity) -> Result<Ending, Box<dyn Error>> {
 
 fn record_twin(simulate: &Simulate) -> Result<Ending, Box<dyn Error>> {
     let experiment = Experiment::read(&simulate.experiment, Path::new(""))?;
-    OutputGuard::new(experiment.input_files(Path::new("")), simulate.force.force).file(&simulate.out)?;
+    OutputGuard::new(experiment.input_files(Path::new("")), simulate.force.force)
+        .file(&simulate.out, FileKind::Recording)?;
     let recording = experiment.record_twin()?;
     report::write_recording(&recording, &simulate.out)?;
     let (samples, rate) = (recording.position.len(), recording.sample_rate_hz);
@@ -186,7 +188,7 @@ fn show_model(request: &Model) -> Result<Ending, Box<dyn Error>> {
     let path = folder.join(&request.robot);
     let source = RobotSource::read_with_xacro(&path, &xacro)?;
     if let Some(out) = &request.expand {
-        OutputGuard::new(source.paths().iter().cloned(), request.force.force).file(out)?;
+        OutputGuard::new(source.paths().iter().cloned(), request.force.force).file(out, FileKind::Unmarked)?;
         replace_file(out, source.to_text().as_bytes())
             .map_err(|e| format!("{}: cannot be written: {e}", out.display()))?;
         print(&format!("written: {}\n", out.display()))?;

@@ -10,7 +10,7 @@ use thetahat::{
     experiment::{EstimateRequest, ExperimentError, IdentifiedRobot},
     export::{ExportError, ExportFormat, IdentifiedModel, MjcfModel, Target},
 };
-use thetahat_ground::output::{OutputGuard, remove_own, replace_file};
+use thetahat_ground::output::{FileKind, OutputGuard, UnfinishedFolder, remove_own, replace_file};
 
 use crate::{
     arguments::{Export as Request, Exported, Sample},
@@ -28,7 +28,9 @@ pub fn export_robot(request: &Request) -> Result<Ending, Box<dyn Error>> {
     let identified = identified(&request.exported)?;
     let sidecar = request.out.as_deref().map(covariance_file);
     let guard = guard(&request.exported, &identified);
-    request.out.iter().chain(&sidecar).try_for_each(|path| guard.file(path))?;
+    let kind = kind(request.exported.to);
+    request.out.iter().try_for_each(|path| guard.file(path, kind))?;
+    sidecar.iter().try_for_each(|path| guard.file(path, FileKind::RobotJson))?;
     let robot = IdentifiedModel::new(identified)?;
     let export = robot.export(target(&request.exported, model.as_ref()))?;
     let checked = if request.check { Some(export.check()?) } else { None };
@@ -50,7 +52,7 @@ fn write_sidecar(sidecar: &Path, covariance: Result<String, ExportError>) -> io:
     match covariance {
         Ok(text) => replace_file(sidecar, text.as_bytes()).map(|()| sidecar.display().to_string()),
         Err(reason) => {
-            let removed = remove_own(sidecar)?;
+            let removed = remove_own(sidecar, FileKind::RobotJson)?;
             let removed =
                 if removed { format!("; removed: {} of an earlier export", sidecar.display()) } else { String::new() };
             Ok(format!("no covariance: {reason}{removed}"))
@@ -65,7 +67,8 @@ pub fn sample_robots(request: &Sample) -> Result<Ending, Box<dyn Error>> {
     let extension = request.exported.to.extension();
     let names: Vec<String> = (1..=request.count).map(|number| format!("{number:0DIGITS$}.{extension}")).collect();
     let guard = guard(&request.exported, &identified);
-    guard.folder(&request.out, names.iter().map(String::as_str))?;
+    let kind = kind(request.exported.to);
+    guard.folder(&request.out, names.iter().map(|name| (name.as_str(), kind)))?;
     refuse_others(&request.out, request.count, extension)?;
     let robot = IdentifiedModel::new(identified)?;
     write_samples(&robot, target(&request.exported, model.as_ref()), request, &names)?;
@@ -88,22 +91,19 @@ fn write_samples(
     request: &Sample,
     names: &[String],
 ) -> Result<(), Box<dyn Error>> {
-    let unfinished = request.out.join(format!(".samples.{}.part", std::process::id()));
-    fs::create_dir_all(&unfinished)?;
+    fs::create_dir_all(&request.out)?;
+    let unfinished = UnfinishedFolder::new(&request.out, "samples")?;
     let mut counter = Counter::new("samples");
     let mut waiting = names.iter().enumerate();
     let made = robot.export_samples(request.count, request.seed, target, threads(None), |_, export| {
         let Some((done, name)) = waiting.next() else { return Ok(()) };
-        fs::write(unfinished.join(name), export.text)?;
+        fs::write(unfinished.path().join(name), export.text)?;
         counter.show(done + 1, names.len(), String::new());
         Ok::<(), Box<dyn Error>>(())
     });
     drop(counter);
-    let moved = made.and_then(|()| {
-        Ok(names.iter().try_for_each(|name| fs::rename(unfinished.join(name), request.out.join(name)))?)
-    });
-    fs::remove_dir_all(&unfinished)?;
-    moved
+    made?;
+    Ok(names.iter().try_for_each(|name| fs::rename(unfinished.path().join(name), request.out.join(name)))?)
 }
 
 /// Refuses a folder with samples of higher numbers: a reader would mix them with these.
@@ -139,6 +139,13 @@ fn model(request: &Exported) -> Result<Option<MjcfModel>, Box<dyn Error>> {
 
 fn target<'a>(request: &Exported, model: Option<&'a MjcfModel>) -> Target<'a> {
     model.map_or(Target::File(request.to), Target::Into)
+}
+
+fn kind(format: ExportFormat) -> FileKind {
+    match format {
+        ExportFormat::Urdf | ExportFormat::Mjcf | ExportFormat::Sdf => FileKind::Robot,
+        ExportFormat::Json => FileKind::RobotJson,
+    }
 }
 
 /// Inputs are never replaced.

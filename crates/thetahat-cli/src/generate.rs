@@ -14,7 +14,7 @@ use thetahat::{
     robot::{Locks, RobotSource},
     symbolic::{Function, ParameterSet, Request, SymbolicError},
 };
-use thetahat_ground::output::{OutputGuard, replace_file};
+use thetahat_ground::output::{FileKind, OutputGuard, replace_file};
 
 use crate::{
     arguments::{Generate, GeneratedParameters},
@@ -36,7 +36,7 @@ struct Source {
 pub fn run(request: &Generate) -> Result<Ending, Box<dyn Error>> {
     let Source { robot, theta, about, files, friction_transition } = read(request)?;
     if let Some(path) = &request.out {
-        OutputGuard::new(files, request.force.force).file(path)?;
+        OutputGuard::new(files, request.force.force).file(path, FileKind::Code)?;
     }
     let parameters = if request.base { ParameterSet::Base } else { ParameterSet::Standard };
     let model = Request { model: request.model, parameters, values: theta, drives: request.drives, about };

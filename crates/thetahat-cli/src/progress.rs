@@ -2,6 +2,8 @@
 
 use std::{
     io::IsTerminal,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    thread,
     time::{Duration, Instant},
 };
 
@@ -15,27 +17,55 @@ const PATIENCE: Duration = Duration::from_secs(1);
 const LINE_EVERY: Duration = Duration::from_secs(10);
 
 /// A spinner on a terminal, lines elsewhere; neither before a second has passed.
-pub struct Progress {
+pub struct Progress(Arc<Mutex<Stages>>);
+
+/// The stages of some work.
+struct Stages {
     started: Instant,
+    /// The stage in the first second, which is shown at its end.
+    waiting: Option<String>,
     bar: Option<ProgressBar>,
+    has_ended: bool,
 }
 
 impl Progress {
     pub fn new() -> Self {
-        Self { started: Instant::now(), bar: None }
+        let stages = Stages { started: Instant::now(), waiting: None, bar: None, has_ended: false };
+        let stages = Arc::new(Mutex::new(stages));
+        let shown_later = stages.clone();
+        thread::spawn(move || {
+            thread::sleep(PATIENCE);
+            lock(&shown_later).show_waiting();
+        });
+        Self(stages)
     }
 
     /// For one stage of some seconds: shown at once on a terminal, not elsewhere.
     pub fn of(stage: &str) -> Self {
         let bar = std::io::stderr().is_terminal().then(spinner);
         bar.iter().for_each(|bar| bar.set_message(stage.to_owned()));
-        Self { started: Instant::now(), bar }
+        Self(Arc::new(Mutex::new(Stages { started: Instant::now(), waiting: None, bar, has_ended: false })))
     }
 
     pub fn show(&mut self, stage: &str) {
-        if self.started.elapsed() < PATIENCE {
-            return;
+        let mut stages = lock(&self.0);
+        if stages.started.elapsed() < PATIENCE {
+            stages.waiting = Some(stage.to_owned());
+        } else {
+            stages.waiting = None;
+            stages.show(stage);
         }
+    }
+}
+
+impl Stages {
+    fn show_waiting(&mut self) {
+        if let Some(stage) = self.waiting.take().filter(|_| !self.has_ended) {
+            self.show(&stage);
+        }
+    }
+
+    fn show(&mut self, stage: &str) {
         let stage = visible(stage);
         if !std::io::stderr().is_terminal() {
             eprintln!("{:5.1} s  {stage}", self.started.elapsed().as_secs_f64());
@@ -48,10 +78,16 @@ impl Progress {
 
 impl Drop for Progress {
     fn drop(&mut self) {
-        if let Some(bar) = &self.bar {
+        let mut stages = lock(&self.0);
+        stages.has_ended = true;
+        if let Some(bar) = &stages.bar {
             bar.finish_and_clear();
         }
     }
+}
+
+fn lock(stages: &Mutex<Stages>) -> MutexGuard<'_, Stages> {
+    stages.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn spinner() -> ProgressBar {

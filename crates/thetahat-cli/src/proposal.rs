@@ -10,7 +10,7 @@ use thetahat::{
     recording::{Contents, RecordingError, inspect_with_time},
     robot::RobotSource,
 };
-use thetahat_ground::output::{OutputGuard, replace_file};
+use thetahat_ground::output::{FileKind, OutputGuard, replace_file};
 use thetahat_report::report;
 
 use crate::{
@@ -47,7 +47,7 @@ pub fn write_experiment(init: &Init) -> Result<Ending, Box<dyn Error>> {
     let source = RobotSource::read(robot)?;
     let of_driver = init.columns.from.iter().map(PathBuf::from);
     let inputs = init.recording.iter().chain(source.paths()).cloned().chain(of_driver);
-    OutputGuard::new(inputs, init.force.force).file(&init.out)?;
+    OutputGuard::new(inputs, init.force.force).file(&init.out, FileKind::Unmarked)?;
     let contents = contents(&init.recording, &init.columns)?;
     let folder = init.out.parent().map_or_else(PathBuf::new, Path::to_owned);
     let files = ProposalFiles { robot: robot.clone(), recordings: init.recording.clone(), folder };

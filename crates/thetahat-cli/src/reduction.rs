@@ -10,7 +10,7 @@ use thetahat::{
     report::Published,
     results::NotExamined,
 };
-use thetahat_ground::output::OutputGuard;
+use thetahat_ground::output::{FileKind, OutputGuard};
 use thetahat_report::report;
 
 use crate::{
@@ -24,7 +24,8 @@ use crate::{
 pub fn reduce(request: &arguments::Reduce) -> Result<Ending, Box<dyn Error>> {
     let (experiment, data) = read_experiment(&request.described)?;
     let inputs = experiment.input_files(&data).into_iter().chain(request.instruments_from.clone());
-    OutputGuard::new(inputs, request.force.force).file(&request.out)?;
+    let guard = OutputGuard::new(inputs, request.force.force).of_robot(&experiment.robot.name);
+    guard.file(&request.out, FileKind::Reduction)?;
     let options = ReduceOptions { threads: threads(request.threads), ..Default::default() };
     let instruments =
         request.instruments_from.as_ref().map(|path| estimates_of_results(path, &experiment)).transpose()?;
@@ -56,8 +57,8 @@ fn line(r: &ReducedRecording) -> String {
 
 pub fn solve(request: &arguments::Solve) -> Result<Ending, Box<dyn Error>> {
     let guard = OutputGuard::new(request.reductions.iter().cloned(), request.output.force.force);
-    request.output.out.iter().try_for_each(|directory| guard.folder(directory, report::file_names()))?;
-    request.merged.iter().try_for_each(|file| guard.file(file))?;
+    request.output.out.iter().try_for_each(|directory| guard.folder(directory, report::files()))?;
+    request.merged.iter().try_for_each(|file| guard.file(file, FileKind::Reduction))?;
     let reduction = Reduction::read_all(&request.reductions)?;
     let solution = reduction.solve()?;
     let published = published(&reduction);

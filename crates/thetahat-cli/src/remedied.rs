@@ -30,7 +30,8 @@ pub fn identify_with_remedies(identify: &Identify) -> Result<Ending, Box<dyn Err
     let out = identify.output.out.as_deref().map(|folder| version.folder(folder));
     let inputs = experiment.input_files(&data);
     if let Some(folder) = &out {
-        OutputGuard::new(inputs, identify.output.force.force).folder(folder, report::file_names())?;
+        let guard = OutputGuard::new(inputs, identify.output.force.force).of_robot(&experiment.robot.name);
+        guard.folder(folder, report::files())?;
     }
     version.write(&text)?;
     let (experiment, data) = read_described(&version.path, Some(&data), identify.described.robot.as_deref())?;

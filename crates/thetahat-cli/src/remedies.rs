@@ -45,7 +45,8 @@ fn of_output(error: &OutputError) -> Option<String> {
         OutputError::IsInput { .. } => "give another file or folder with --out",
         OutputError::NotAFile { .. } => "give the name of a file with --out",
         OutputError::NotAFolder { .. } => "give another folder with --out",
-        OutputError::NotOurs { .. } | OutputError::MayHoldChanges { .. } => {
+        OutputError::IsLink { .. } => "give a file or the link's target with --out",
+        OutputError::NotOurs { .. } | OutputError::OfAnotherRobot { .. } | OutputError::MayHoldChanges { .. } => {
             "give another place with --out, or replace it with --force"
         }
         _ => return None,
@@ -175,7 +176,7 @@ mod tests {
     #[test]
     fn a_remedy_is_of_the_variant() {
         let error = OutputError::NotOurs { path: PathBuf::from("a.csv") };
-        let text = "a.csv: exists and was not written by thetahat; give another place with --out, or replace it \
+        let text = "a.csv: exists and is not a file of this kind that thetahat wrote; give another place with --out, or replace it \
                     with --force";
         assert_eq!(with_remedy(&error), text);
     }

@@ -4,7 +4,7 @@ use std::{error::Error, fs};
 
 use clap::CommandFactory;
 use clap_complete::Shell;
-use thetahat_ground::output::OutputGuard;
+use thetahat_ground::output::{FileKind, OutputGuard};
 
 use crate::{
     arguments::{Arguments, Man},
@@ -27,7 +27,8 @@ pub fn write_manual(request: &Man) -> Result<Ending, Box<dyn Error>> {
     match &request.out {
         Some(folder) => {
             let refuse = |e| format!("{}: {e}", folder.display());
-            OutputGuard::new([], request.force.force).folder(folder, pages().iter().map(String::as_str))?;
+            OutputGuard::new([], request.force.force)
+                .folder(folder, pages().iter().map(|page| (page.as_str(), FileKind::ManualPage)))?;
             fs::create_dir_all(folder).map_err(refuse)?;
             clap_mangen::generate_to(command, folder).map_err(refuse)?;
         }

@@ -34,9 +34,15 @@ fn escaped(text: &str, hidden: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// Control characters, line and paragraph separators, and marks that change the direction of writing.
+/// Control characters, line and paragraph separators, marks that change the direction of writing, and characters of no width, with which
+/// two names look alike.
 fn steers(c: char) -> bool {
-    c.is_control() || matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    let has_no_width = matches!(
+        c,
+        '\u{ad}' | '\u{34f}' | '\u{180e}' | '\u{200b}'..='\u{200d}' | '\u{2060}'..='\u{2064}' | '\u{feff}' | '\u{e0000}'..='\u{e007f}'
+    );
+    let directs = matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    c.is_control() || has_no_width || directs
 }
 
 #[cfg(test)]
@@ -46,6 +52,7 @@ mod tests {
     #[test]
     fn what_steers_a_terminal_is_written_out() {
         assert_eq!(visible("a\x1b[31mb\x07\u{9b}2J\r\n\u{202e}c"), r"a\u{1b}[31mb\u{7}\u{9b}2J\r\n\u{202e}c");
+        assert_eq!(visible("q\u{200b}1\u{feff}\u{61c}"), r"q\u{200b}1\u{feff}\u{61c}");
         assert_eq!(visible_lines("a\tb\n\x1b]0;c"), "a\tb\n\\u{1b}]0;c");
         assert!(matches!(visible("Gelenk ä 1 µ"), Cow::Borrowed(_)));
     }

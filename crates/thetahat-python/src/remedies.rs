@@ -16,7 +16,8 @@ pub fn of_output(error: &OutputError) -> Option<String> {
     let remedy = match error {
         OutputError::IsInput { .. } | OutputError::NotAFile { .. } => "give another file",
         OutputError::NotAFolder { .. } => "give another folder",
-        OutputError::NotOurs { .. } | OutputError::MayHoldChanges { .. } => {
+        OutputError::IsLink { .. } => "give a file or the link's target",
+        OutputError::NotOurs { .. } | OutputError::OfAnotherRobot { .. } | OutputError::MayHoldChanges { .. } => {
             "give another place, or replace it with force=True"
         }
         _ => return None,
@@ -27,10 +28,13 @@ pub fn of_output(error: &OutputError) -> Option<String> {
 /// The folder of a campaign, in which files of others are never replaced.
 pub fn of_campaign_folder(error: &OutputError) -> Option<String> {
     let remedy = match error {
-        OutputError::NotOurs { .. } | OutputError::MayHoldChanges { .. } => "take another `out`",
-        OutputError::IsInput { .. } | OutputError::NotAFile { .. } | OutputError::NotAFolder { .. } => {
-            "give another folder with `out`"
+        OutputError::NotOurs { .. } | OutputError::OfAnotherRobot { .. } | OutputError::MayHoldChanges { .. } => {
+            "take another `out`"
         }
+        OutputError::IsInput { .. }
+        | OutputError::IsLink { .. }
+        | OutputError::NotAFile { .. }
+        | OutputError::NotAFolder { .. } => "give another folder with `out`",
         _ => return None,
     };
     Some(remedy.to_owned())

@@ -13,7 +13,7 @@ use thetahat::{
     identification::UnknownMethod,
     report::Published,
 };
-use thetahat_ground::output::{OutputGuard, replace_file};
+use thetahat_ground::output::{FileKind, OutputGuard, replace_file};
 use thetahat_report::{
     report::{self, TextWidth},
     results::{Plots, RunPlots},
@@ -122,14 +122,15 @@ impl Results {
 
     /// Writes one of the report's files atomically.
     fn write_file(&self, py: Python<'_>, name: &str, path: PathBuf, force: bool) -> PyResult<()> {
-        py.detach(|| write_guarded(&path, &self.rendered(name)?, force))?;
+        let kind = report::files().find(|file| file.0 == name).map_or(FileKind::Unmarked, |file| file.1);
+        py.detach(|| write_guarded((&path, kind), &self.rendered(name)?, force))?;
         Ok(())
     }
 
     /// Writes all files of the report into a folder; returns their paths.
     fn write(&self, py: Python<'_>, folder: PathBuf, force: bool) -> PyResult<Vec<PathBuf>> {
         py.detach(|| {
-            OutputGuard::new([], force).folder(&folder, report::file_names())?;
+            OutputGuard::new([], force).of_robot(&self.results.robot).folder(&folder, report::files())?;
             Ok(report::write_all(&self.results, self.published()?.as_ref(), &folder)?)
         })
         .map_err(|e: PythonError| e.into())
@@ -151,7 +152,8 @@ impl Results {
         py.detach(|| {
             let model = IdentifiedModel::of_results(Path::new("the results"), &self.results, &request)?;
             let export = model.export(format)?;
-            write_guarded(&path, export.text.as_bytes(), force)?;
+            let kind = if format == ExportFormat::Json { FileKind::RobotJson } else { FileKind::Robot };
+            write_guarded((&path, kind), export.text.as_bytes(), force)?;
             Ok([model.about(), export.notes, export.not_represented].concat())
         })
         .map_err(|e: PythonError| e.into())
@@ -196,8 +198,8 @@ impl Results {
 }
 
 /// Writes a file atomically; a file that thetahat did not write is replaced only with `force`.
-fn write_guarded(path: &Path, content: &[u8], force: bool) -> Result<(), PythonError> {
-    OutputGuard::new([], force).file(path)?;
+fn write_guarded((path, kind): (&Path, FileKind), content: &[u8], force: bool) -> Result<(), PythonError> {
+    OutputGuard::new([], force).file(path, kind)?;
     replace_file(path, content)
         .map_err(|e| PythonError::new("ReportError", format!("{}: cannot be written: {e}", path.display())))
 }

@@ -118,7 +118,7 @@ def test_a_folder_of_another_campaign_is_refused(described, checkout, tmp_path):
 
 def test_remedies_name_arguments_and_not_flags(described, tmp_path):
     (tmp_path / "campaign.html").write_text("a page of others")
-    with pytest.raises(th.CampaignError, match="exists and was not written by thetahat; take another `out`$"):
+    with pytest.raises(th.CampaignError, match="exists and is not a file of this kind that thetahat wrote; take another `out`$"):
         distributed.campaign(described, tmp_path)
     with pytest.raises(th.CampaignError, match="expected a folder, found a file; give another folder with `out`$"):
         distributed.campaign(described, tmp_path / "campaign.html")

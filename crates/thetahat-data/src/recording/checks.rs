@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::error::RecordingError;
-use super::table::is_plausible;
+use super::table::{MissingValues, is_plausible};
 use thetahat_ground::series::Series;
 
 /// Largest deviation of a time step from the mean step, relative to the mean step.
@@ -28,7 +28,7 @@ pub fn sample_rate_from_time(time: &[f64], file: &Path, column: &str) -> Result<
     let [first, .., last] = time else {
         return Err(RecordingError::TooFewTimes { file: file.into(), column: column.into(), found: time.len() });
     };
-    require_finite(time, file, column)?;
+    require_finite(time, file, column, MissingValues::Refused)?;
     require_increasing(time, file, column)?;
     let step = (last - first) / (time.len() - 1) as f64;
     require_uniform(time, step, file, column)?;
@@ -84,9 +84,15 @@ pub fn not_all_zero(series: &Series, what: &str, file: &Path) -> Result<(), Reco
     Err(RecordingError::AllZero { file: file.into(), signal: what.into() })
 }
 
-/// Checks that all values of a named column are finite.
-pub(super) fn require_finite(values: &[f64], file: &Path, column: &str) -> Result<(), RecordingError> {
-    match values.iter().position(|value| !is_plausible(*value)) {
+/// Checks that all values of a named column are finite, or missing where those are kept.
+pub(super) fn require_finite(
+    values: &[f64],
+    file: &Path,
+    column: &str,
+    missing: MissingValues,
+) -> Result<(), RecordingError> {
+    let is_kept = |value: f64| value.is_nan() && missing == MissingValues::Kept;
+    match values.iter().position(|value| !is_plausible(*value) && !is_kept(*value)) {
         None => Ok(()),
         Some(sample) => Err(RecordingError::NotFiniteSample {
             file: file.into(),

@@ -8,6 +8,7 @@ use super::{
     RecordingError, STEP_TOLERANCE,
     checks::{require_finite, require_increasing},
     stretches::Stretches,
+    table::MissingValues,
 };
 use thetahat_ground::series::Series;
 
@@ -101,7 +102,7 @@ impl Clock {
         let [first, .., last] = stamps[..] else {
             return Err(RecordingError::TooFewTimes { file: file.into(), column: column.into(), found: stamps.len() });
         };
-        require_finite(&stamps, file, column)?;
+        require_finite(&stamps, file, column, MissingValues::Refused)?;
         if let Some(coarse) = CoarseTimes::of(&stamps) {
             let equal = (0..stamps.len()).map(|k| first + coarse.step * k as f64).collect();
             let clock = Self::uniform(1.0 / coarse.step);

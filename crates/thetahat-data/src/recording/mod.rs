@@ -83,5 +83,5 @@ pub use inspect::{
     inspect_with_time,
 };
 pub use pieces::SignalPieces;
-pub use source::{ChannelSource, Side, read_channels};
+pub use source::{ChannelSource, Side, read_channels, read_channels_with_missing_values};
 pub use unit::{Dimension, Unit, UnknownUnit};

@@ -1,6 +1,6 @@
 //! NumPy archives: `.npz`, a zip file of arrays, stored or deflated.
 
-use std::io::{self, Cursor};
+use std::io::{self, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use zip::read::ZipFile;
@@ -16,6 +16,9 @@ use super::table::{Column, RequestedColumns, Table};
 pub(super) fn read(bytes: &[u8], path: &Path, wanted: RequestedColumns<'_>) -> Result<Table, RecordingError> {
     let damaged = |reason: String| RecordingError::damaged(path, reason);
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| damaged(e.to_string()))?;
+    if repeats_a_name(&archive, Cursor::new(bytes)) {
+        return Err(damaged("two entries of the archive have the same name".to_owned()));
+    }
     let mut budget = Budget::of(path, bytes.len() as u64);
     let mut table = Table::default();
     for index in 0..archive.len() {
@@ -31,6 +34,25 @@ pub(super) fn read(bytes: &[u8], path: &Path, wanted: RequestedColumns<'_>) -> R
     }
     Ok(table)
 }
+
+/// Whether entries have the same name: the archive knows the last of them only, its directory has all.
+fn repeats_a_name<R: Read + Seek>(archive: &ZipArchive<R>, mut file: impl Read + Seek) -> bool {
+    let mut next = archive.central_directory_start();
+    let mut entries = 0;
+    let mut entry = [0; DIRECTORY_ENTRY];
+    while file.seek(SeekFrom::Start(next)).is_ok()
+        && file.read_exact(&mut entry).is_ok()
+        && entry.starts_with(b"PK\x01\x02")
+    {
+        let length = |at: usize| u64::from(u16::from_le_bytes([entry[at], entry[at + 1]]));
+        next += DIRECTORY_ENTRY as u64 + length(28) + length(30) + length(32);
+        entries += 1;
+    }
+    entries > archive.len()
+}
+
+/// Bytes of an entry of the directory before its name, its extra field and its comment, whose lengths are at 28, 30 and 32 (APPNOTE 4.3.12).
+const DIRECTORY_ENTRY: usize = 46;
 
 fn array(
     key: &str,
@@ -49,6 +71,9 @@ pub(super) fn stored_arrays(
     wanted: RequestedColumns<'_>,
 ) -> Result<Option<Vec<ArrayPieces>>, RecordingError> {
     let Ok(mut archive) = ZipArchive::new(open(path)?) else { return Ok(None) };
+    if repeats_a_name(&archive, open(path)?) {
+        return Ok(None);
+    }
     let mut arrays = Vec::new();
     for index in 0..archive.len() {
         let Ok(mut entry) = archive.by_index(index) else { return Ok(None) };
@@ -107,6 +132,19 @@ mod tests {
             assert_eq!(names, ["q", "t"]);
             assert_eq!(table.columns[0].values, [1.0, 3.0, 2.0, 4.0]);
         }
+    }
+
+    #[test]
+    fn two_entries_of_one_name_are_refused() {
+        let (q, p) = (npy("|u1", false, "(2,)", &[1, 2]), npy("|u1", false, "(2,)", &[8, 9]));
+        let mut bytes = archive(CompressionMethod::Stored, &[("q.npy", &q), ("p.npy", &p)]);
+        for at in memchr::memmem::find_iter(&bytes.clone(), b"p.npy") {
+            bytes[at] = b'q';
+        }
+        let error = loaded(&bytes).unwrap_err().to_string();
+        assert!(error.contains("two entries of the archive have the same name"), "{error}");
+        let folder = thetahat_testing::Folder::with(FILE, &bytes);
+        assert!(stored_arrays(&folder.path().join(FILE), RequestedColumns::All).unwrap().is_none());
     }
 
     #[test]

@@ -13,7 +13,7 @@ use super::place::file_length;
 use super::reader::TableOptions;
 use super::select;
 use super::source::{ChannelSource, require_units_of_file};
-use super::table::{Column, RequestedColumns, Table};
+use super::table::{Column, MissingValues, RequestedColumns, Table};
 use thetahat_ground::series::Series;
 
 /// Signals whose files can be read from any sample on: text, uncompressed NumPy arrays, and Parquet.
@@ -121,7 +121,7 @@ impl Signal {
         };
         let columns = select::columns(table, self.format, &self.source.columns, &self.path)?;
         require_units_of_file(&self.source, &columns, &self.path)?;
-        let mut series = columns.series(&self.path).map_err(in_file)?;
+        let mut series = columns.series(&self.path, MissingValues::Refused).map_err(in_file)?;
         if !self.factors.is_empty() {
             for sample in series.values_mut().chunks_exact_mut(self.factors.len()) {
                 sample.iter_mut().zip(&self.factors).for_each(|(value, factor)| *value *= factor);

@@ -5,13 +5,13 @@ use std::path::Path;
 use super::checks::require_finite;
 use super::error::RecordingError;
 use super::format::{Format, Holds};
-use super::table::{Column, Table, indexed, is_other_spelling};
+use super::table::{Column, MissingValues, Table, indexed, is_other_spelling};
 use thetahat_ground::series::Series;
 
 /// The named columns of a table, joined.
 #[cfg(test)]
 pub(super) fn series(table: &Table, format: Format, asked: &[String], path: &Path) -> Result<Series, RecordingError> {
-    columns(table, format, asked, path)?.series(path)
+    columns(table, format, asked, path)?.series(path, MissingValues::Refused)
 }
 
 /// The named columns of a table, in the order of the names.
@@ -38,11 +38,11 @@ pub(super) struct SelectedColumns<'a>(Vec<Selected<'a>>);
 type Selected<'a> = (&'a Column, Option<usize>);
 
 impl<'a> SelectedColumns<'a> {
-    /// The channels side by side, if all values are finite numbers.
-    pub(super) fn series(&self, path: &Path) -> Result<Series, RecordingError> {
+    /// The channels side by side, if all values are finite numbers, or missing where those are kept.
+    pub(super) fn series(&self, path: &Path, missing: MissingValues) -> Result<Series, RecordingError> {
         for (column, _) in &self.0 {
-            column.require_sound(path)?;
-            require_finite(&column.values, path, &column.name)?;
+            column.require_sound(path, missing)?;
+            require_finite(&column.values, path, &column.name, missing)?;
         }
         same_samples(&self.0, path)?;
         Ok(side_by_side(&self.0))

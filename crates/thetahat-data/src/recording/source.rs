@@ -10,7 +10,7 @@ use super::format::Format;
 use super::layout::{self, Layout};
 use super::reader::{TableOptions, table};
 use super::select::SelectedColumns;
-use super::table::{Column, RequestedColumns};
+use super::table::{Column, MissingValues, RequestedColumns};
 use super::unit::{Dimension, Unit};
 use super::{bag, place, select, split_time};
 use thetahat_ground::{one_or_each::OneOrEach, series::Series};
@@ -353,10 +353,22 @@ impl ChannelSource {
 /// A [`RecordingError`] that states the place, what was expected and what was found, if the file cannot be read, a column
 /// is missing, a value is not a finite number, or the gains do not fit the channels.
 pub fn read_channels(source: &ChannelSource, root: &Path) -> Result<Series, RecordingError> {
+    channels(source, root, MissingValues::Refused)
+}
+
+/// The same with NaN where a table has an empty cell or a NaN. A bag is refused as by [`read_channels`].
+///
+/// # Errors
+/// As [`read_channels`] for anything else.
+pub fn read_channels_with_missing_values(source: &ChannelSource, root: &Path) -> Result<Series, RecordingError> {
+    channels(source, root, MissingValues::Kept)
+}
+
+fn channels(source: &ChannelSource, root: &Path, missing: MissingValues) -> Result<Series, RecordingError> {
     source.refuse_repetition()?;
     let format = source.format(root)?;
     source.refuse_useless_settings(format)?;
-    let mut series = read(source, format, source.root(root), &source.place(root)?)?;
+    let mut series = read(source, format, (source.root(root), &source.place(root)?), missing)?;
     let factors = source.factors(series.channels())?;
     if source.is_split_time() {
         subtract_first(&mut series);
@@ -381,7 +393,12 @@ fn sums(series: &Series) -> Series {
 }
 
 /// The channels in the units of the file.
-fn read(source: &ChannelSource, format: Format, root: Option<&Path>, path: &Path) -> Result<Series, RecordingError> {
+fn read(
+    source: &ChannelSource,
+    format: Format,
+    (root, path): (Option<&Path>, &Path),
+    missing: MissingValues,
+) -> Result<Series, RecordingError> {
     if format.is_bag() {
         return bag::channels(path, format, source.topic.as_deref(), &source.columns);
     }
@@ -396,7 +413,7 @@ fn read(source: &ChannelSource, format: Format, root: Option<&Path>, path: &Path
     split_time::add_requested(&mut table, &columns);
     let columns = select::columns(&table, format, &columns, path)?;
     require_units_of_file(source, &columns, path)?;
-    layout::laid_out(source.layout(), columns.series(path)?, path)
+    layout::laid_out(source.layout(), columns.series(path, missing)?, path)
 }
 
 /// Dates and times of day are in seconds. A unit that the file gives to a column, and that was left out of its name, is the one that is

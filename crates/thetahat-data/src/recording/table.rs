@@ -45,6 +45,25 @@ pub(super) enum Flaw {
     Kind(String),
 }
 
+impl Flaw {
+    /// Whether it is an empty cell or a NaN: a value that the logger did not have.
+    pub(super) fn is_missing_value(&self) -> bool {
+        match self {
+            Self::Text { found, .. } => found.trim().is_empty(),
+            Self::NotFinite { found, .. } => found.is_nan(),
+            Self::UnclearDate { .. } | Self::JointOrder { .. } | Self::Kind(_) => false,
+        }
+    }
+}
+
+/// What is done with values that a logger did not have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum MissingValues {
+    Refused,
+    /// They are NaN.
+    Kept,
+}
+
 impl Column {
     /// A column of numbers: `channels` times the same number of values.
     pub(super) fn of_numbers(name: String, channels: usize, values: Vec<f64>) -> Self {
@@ -85,9 +104,10 @@ impl Column {
     }
 
     /// Refuses a flawed column, or one without samples.
-    pub(super) fn require_sound(&self, file: &Path) -> Result<(), RecordingError> {
+    pub(super) fn require_sound(&self, file: &Path, missing: MissingValues) -> Result<(), RecordingError> {
+        let is_kept = |flaw: &Flaw| missing == MissingValues::Kept && flaw.is_missing_value();
         let (file, column) = (file.to_owned(), self.name.clone());
-        match self.flaw.clone() {
+        match self.flaw.clone().filter(|flaw| !is_kept(flaw)) {
             None if self.samples() == 0 => Err(RecordingError::NoSamples { file }),
             None => Ok(()),
             Some(Flaw::Text { line, found }) => Err(RecordingError::NotANumber { file, line, column, found }),

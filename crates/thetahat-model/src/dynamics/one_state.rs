@@ -65,6 +65,19 @@ impl Model {
             above.chunks_exact_mut(n).zip(row).for_each(|(upper, lower)| upper[i] = *lower);
         }
     }
+
+    /// The inertia of each coordinate alone: the diagonal of the mass matrix of standard parameters at a position.
+    ///
+    /// # Errors
+    /// As [`DynamicParameters::new`].
+    #[doc(hidden)]
+    pub fn joint_inertias(&self, standard: &[f64], q: &[f64]) -> Result<Vec<f64>, DynamicsError> {
+        let parameters = DynamicParameters::new(self, standard)?;
+        let n = self.coordinate_count();
+        let mut mass = vec![0.0; n * n];
+        self.mass_matrix(&parameters, q, &mut Workspace::new(self), &mut mass);
+        Ok((0..n).map(|j| mass[j * n + j]).collect())
+    }
 }
 
 struct InverseDynamics<'a> {

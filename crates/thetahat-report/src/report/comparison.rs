@@ -11,7 +11,7 @@ use super::{
     wrap::{TextWidth, wrap},
 };
 use crate::results::{ComparedParameter, ParameterResult, SettingDifference, Side, SideBySide, Unseen};
-use thetahat_ground::output::replace_file;
+use thetahat_ground::output::{FileKind, replace_file};
 
 /// Deviations from which a difference is marked.
 const FAR: f64 = 3.0;
@@ -27,6 +27,11 @@ pub fn comparison_text(compared: &SideBySide, width: TextWidth) -> String {
     text + "\n" + &conclusions(compared).iter().map(|line| wrap(line, "", width)).collect::<String>()
 }
 
+/// The kind of the page.
+pub const COMPARISON_PAGE: FileKind = FileKind::Page(GENERATOR);
+
+const GENERATOR: &str = "thetahat comparison";
+
 /// Writes the comparison as a page, whole or not at all.
 ///
 /// # Errors
@@ -39,7 +44,8 @@ pub fn write_comparison(compared: &SideBySide, path: &Path) -> Result<(), Report
         tables: tables(compared),
         ..Section::default()
     };
-    let page = Page { title: "Comparison of results", sections: vec![section], ..Page::default() };
+    let page =
+        Page { title: "Comparison of results", generator: GENERATOR, sections: vec![section], ..Page::default() };
     replace_file(path, render(&page)?.as_bytes()).map_err(|source| ReportError::Write { path: path.to_owned(), source })
 }
 

@@ -1,6 +1,7 @@
 use std::{io, path::PathBuf};
 
 use crate::results::ResultsError;
+use thetahat_ground::output::WriteError;
 
 /// Why a report cannot be written, or published figures cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -69,4 +70,10 @@ pub enum ReportError {
         /// The value found.
         found: String,
     },
+}
+
+impl From<WriteError> for ReportError {
+    fn from(WriteError { path, source }: WriteError) -> Self {
+        Self::Write { path, source }
+    }
 }

@@ -44,12 +44,12 @@ mod verdict;
 mod wrap;
 
 pub use campaign::{CAMPAIGN_PAGE, campaign_text, write_campaign};
-pub use comparison::{comparison_text, write_comparison};
+pub use comparison::{COMPARISON_PAGE, comparison_text, write_comparison};
 pub use design::move_programs::MOVE_FILES;
 pub use design::{DESIGN_FILES, design_text, write_design};
 pub use error::ReportError;
 pub use json::{findings_json, model_json};
-pub use outputs::{file_names, render, write_all};
+pub use outputs::{file_names, files, render, write_all};
 pub use prediction::{prediction_text, write_prediction};
 pub use published::{Agreement, Published, PublishedValue};
 pub use sections::findings::{filter_text, findings_text};

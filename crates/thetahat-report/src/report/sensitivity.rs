@@ -17,7 +17,7 @@ use super::{
     wrap::{TextWidth, wrap},
 };
 use crate::results::{BiasKind, Method, Sensitivity, SensitivityPoint, Status};
-use thetahat_ground::visible::cell;
+use thetahat_ground::{output::FileKind, visible::cell};
 
 /// The methods of a sweep, in the order of the table's groups.
 fn methods(sensitivity: &Sensitivity) -> Vec<Method> {
@@ -32,7 +32,10 @@ pub fn sensitivity_text(sensitivity: &Sensitivity, width: TextWidth) -> String {
 }
 
 /// The files of a sweep.
-pub const SENSITIVITY_FILES: [&str; 2] = ["sensitivity.csv", "sensitivity.html"];
+pub const SENSITIVITY_FILES: [(&str, FileKind); 2] =
+    [("sensitivity.csv", FileKind::Sensitivity), ("sensitivity.html", FileKind::Page(GENERATOR))];
+
+const GENERATOR: &str = "thetahat sensitivity";
 
 /// Writes `sensitivity.csv`, with every estimate, and `sensitivity.html` into a folder, which is created if it does not
 /// exist. Returns their paths.
@@ -42,12 +45,13 @@ pub const SENSITIVITY_FILES: [&str; 2] = ["sensitivity.csv", "sensitivity.html"]
 pub fn write_sensitivity(sensitivity: &Sensitivity, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
     let page = Page {
         title: &sensitivity.title,
+        generator: GENERATOR,
         facts: facts(sensitivity),
         sections: sections(sensitivity),
         footer: "Changes are root mean squares over the shown estimates, in their standard deviations.",
         ..Page::default()
     };
-    let [table, figures] = SENSITIVITY_FILES;
+    let [table, figures] = SENSITIVITY_FILES.map(|(name, _)| name);
     files::write_files(directory, vec![(table, csv_of(sensitivity)?), (figures, render(&page)?.into_bytes())])
 }
 

@@ -260,6 +260,7 @@ impl VerdictReason {
             | ReasonCode::CorrelatedResidual
             | ReasonCode::Influence
             | ReasonCode::Cause
+            | ReasonCode::ChangedFile
             | ReasonCode::FewRows => false,
         };
         of_data && self.verdict == Verdict::DoNotUse

@@ -35,6 +35,8 @@ pub struct DesignResults {
     pub collision: Option<CollisionResults>,
     /// The criterion if the last prior recording were repeated for the same time, nats.
     pub repeated: Option<f64>,
+    /// Descents that had ended when the search was stopped, and all of them; none if it ran to its end.
+    pub stopped_after: Option<[usize; 2]>,
     /// Title and method of the results used for comparison.
     pub compared: Option<[String; 2]>,
     /// The payload of the robot.
@@ -51,6 +53,9 @@ pub struct DesignResults {
     pub rated: [Vec<Option<f64>>; 2],
     /// Joints whose a-priori friction is zero: executed torques are larger than the designed ones.
     pub without_friction: Vec<String>,
+    /// What is assumed in their place for torque limits: friction at the velocity limit, percent of the torque limit, and motor inertia,
+    /// percent of the joint's inertia.
+    pub assumed_percent: [f64; 2],
     /// Joints whose a-priori motor inertia is zero.
     pub without_motor_inertia: Vec<String>,
     /// The prediction for each parameter.

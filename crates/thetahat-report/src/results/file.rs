@@ -1,11 +1,17 @@
 //! Reading and writing `results.json`.
 
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 use serde::Deserialize;
 
-use super::content::{Results, SCHEMA};
-use thetahat_ground::files;
+use super::{
+    content::{Results, SCHEMA},
+    verdict::{ReasonCode, ReasonSubject, Verdict, VerdictReason},
+};
+use thetahat_ground::{digest::sha256, files};
 
 /// Why a `results.json` cannot be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -52,11 +58,13 @@ pub enum ResultsError {
     },
 }
 
-/// The key that every schema has; a file without it has schema 0.
+/// Keys that are read first. A file without a schema has schema 0; files from before the digest have none.
 #[derive(Deserialize)]
 struct SchemaKey {
     #[serde(default)]
     schema: u64,
+    #[serde(default)]
+    digest: Option<String>,
 }
 
 impl Results {
@@ -77,11 +85,30 @@ impl Results {
     pub fn from_json(path: &Path, text: &str) -> Result<Self, ResultsError> {
         let malformed = |source| ResultsError::Malformed { path: path.to_owned(), source };
         // The schema is read first: a later one may have another form.
-        let SchemaKey { schema } = serde_json::from_str(text).map_err(malformed)?;
+        let SchemaKey { schema, digest } = serde_json::from_str(text).map_err(malformed)?;
         if schema > SCHEMA.into() {
             return Err(ResultsError::NewerSchema { path: path.to_owned(), found: schema, supported: SCHEMA });
         }
-        serde_json::from_str(text).map_err(malformed)
+        let mut results: Self = serde_json::from_str(text).map_err(malformed)?;
+        if digest.is_some_and(|stated| is_changed(text, &stated)) {
+            results.distrust();
+        }
+        Ok(results)
+    }
+
+    /// Says that the file was changed: nobody computed its numbers.
+    fn distrust(&mut self) {
+        self.verdict = self.verdict.map(|verdict| verdict.max(Verdict::Care));
+        let remedy = "identify again, or take the file that thetahat wrote".to_owned();
+        self.verdict_reasons.push(VerdictReason {
+            code: ReasonCode::ChangedFile,
+            verdict: Verdict::Care,
+            numbers: BTreeMap::new(),
+            subject: ReasonSubject::default(),
+            text: format!("the file of the results was changed after thetahat wrote it; {remedy}"),
+            remedy,
+            remedies: Vec::new(),
+        });
     }
 
     /// The text of `results.json`.
@@ -90,8 +117,25 @@ impl Results {
     /// [`ResultsError::Unwritable`] where JSON has no form for a value.
     pub fn to_json(&self) -> Result<String, ResultsError> {
         let text = serde_json::to_string_pretty(self).map_err(|source| ResultsError::Unwritable { source })?;
-        Ok(text + "\n")
+        let content = text.strip_suffix(END).unwrap_or(&text);
+        Ok(format!("{content}{DIGEST}{}\"{END}\n", digest(content)))
     }
+}
+
+/// The end of the text.
+const END: &str = "\n}";
+/// What precedes the digest, which is the last key.
+const DIGEST: &str = ",\n  \"digest\": \"";
+
+/// SHA-256 of the text without its lines `"seconds"`, which differ from run to run.
+fn digest(content: &str) -> String {
+    let kept = content.lines().filter(|line| !line.trim_start().starts_with("\"seconds\":"));
+    sha256(kept.collect::<Vec<_>>().join("\n").as_bytes())
+}
+
+/// Whether a text has another digest than it states.
+fn is_changed(text: &str, stated: &str) -> bool {
+    text.rsplit_once(DIGEST).is_none_or(|(content, _)| stated != digest(content))
 }
 
 #[cfg(test)]
@@ -140,6 +184,20 @@ mod tests {
             (&["ia1".to_owned()][..], &[0.125][..])
         );
         assert_eq!(physical.estimate.as_ref().unwrap().parameters[0].reference_value, Some(-0.125));
+    }
+
+    /// A number that was changed is said; times, which differ from run to run, are not.
+    #[test]
+    fn a_changed_file_is_read_and_not_trusted() {
+        let results = Results::from_json(Path::new("old.json"), SCHEMA_1).unwrap();
+        let text = Results { schema: SCHEMA, verdict: Some(Verdict::Good), ..results }.to_json().unwrap();
+        let read = |text: &str| Results::from_json(Path::new("new.json"), text).unwrap();
+        let verdict = |results: Results| (results.verdict, results.verdict_reasons.len());
+        assert_eq!(verdict(read(&text)), (Some(Verdict::Good), 0));
+        assert_eq!(verdict(read(&text.replace("\"seconds\": 0.1", "\"seconds\": 0.2"))), (Some(Verdict::Good), 0));
+        let changed = read(&text.replace("\"relative_error_percent\": 6.5", "\"relative_error_percent\": 0.5"));
+        assert_eq!(changed.verdict_reasons[0].code, ReasonCode::ChangedFile);
+        assert_eq!(verdict(changed), (Some(Verdict::Care), 1));
     }
 
     #[test]

@@ -76,11 +76,13 @@ pub enum ReasonCode {
     FewRows,
     /// The residual shows what the model or the recordings are wrong in.
     Cause,
+    /// The file of the results was changed after it was written.
+    ChangedFile,
 }
 
 impl ReasonCode {
     /// All codes, in order.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::CheckProblem,
         Self::DriveGain,
         Self::RecordingsDisagree,
@@ -98,6 +100,7 @@ impl ReasonCode {
         Self::Influence,
         Self::FewRows,
         Self::Cause,
+        Self::ChangedFile,
     ];
 
     /// Its stable name, lower case with hyphens.
@@ -121,6 +124,7 @@ impl ReasonCode {
             Self::CheckWarning => "check-warning",
             Self::FewRows => "few-rows",
             Self::Cause => "cause",
+            Self::ChangedFile => "changed-file",
         }
     }
 }

@@ -74,6 +74,12 @@ pub enum CampaignError {
         /// What changed: the campaign, the experiment, the robot, what the twin follows, or the version of the program.
         changed: String,
     },
+    /// Another campaign is running into the folder.
+    #[error("{}: another campaign runs into it; wait for its end, or take another folder", folder.display())]
+    Busy {
+        /// The folder.
+        folder: PathBuf,
+    },
     /// The folder holds files, and none says that they are of a campaign.
     #[error("{}: holds files but no {manifest}, so it is not the folder of a campaign; take another folder", folder.display())]
     NoCampaign {

@@ -15,7 +15,10 @@ use super::{
     files::{refuse, replace_file},
     parquet_file::{self, Content},
 };
-use thetahat_ground::{files, output::TEMPORARY};
+use thetahat_ground::{
+    files,
+    output::{FileLock, TEMPORARY},
+};
 
 const MANIFEST: &str = "campaign.json";
 const RUNS: &str = "runs.parquet";
@@ -26,6 +29,8 @@ const PARTS: &str = "parts";
 #[derive(Debug, Clone)]
 pub struct Store {
     folder: PathBuf,
+    /// Holds the folder's lock: other campaigns are refused there.
+    _lock: FileLock,
 }
 
 /// What the runs of a folder were made from.
@@ -66,13 +71,13 @@ impl Manifest {
 }
 
 impl Store {
-    /// Opens a folder, or makes it; it must be new or empty, or hold runs of this very campaign.
+    /// Opens a folder, or makes it; it must be new or empty, or hold runs of this very campaign. Until the store and its clones are
+    /// dropped, another one cannot open the folder.
     ///
     /// # Errors
     /// [`CampaignError`] for a folder of another campaign or of other files, or one that cannot be written.
     pub fn open(folder: &Path, campaign: &Campaign) -> Result<Self, CampaignError> {
-        let store = Self { folder: folder.to_owned() };
-        let parts = store.parts();
+        let parts = folder.join(PARTS);
         let (path, manifest) = (folder.join(MANIFEST), Manifest::of(campaign)?);
         if !files::exists(&path) {
             require_empty(folder)?;
@@ -85,8 +90,9 @@ impl Store {
             .map_err(|e| CampaignError::Unreadable { path: path.clone(), reason: e.to_string() })?;
         let found: Manifest = serde_json::from_str(&text)
             .map_err(|e| CampaignError::Damaged { path: path.clone(), problem: e.to_string() })?;
+        let _lock = locked(folder, &path)?;
         match manifest.change(&found) {
-            None => Ok(store),
+            None => Ok(Self { folder: folder.to_owned(), _lock }),
             Some(what) => Err(CampaignError::OtherCampaign { folder: folder.to_owned(), changed: what.to_owned() }),
         }
     }
@@ -189,6 +195,12 @@ impl Bench {
         let rows = self.run(keys)?.concat();
         parquet_file::bytes(&rows, &self.facts, Content::Everything).map_err(|e| refuse(Path::new(PARTS), &e))
     }
+}
+
+/// The lock of a folder, by its manifest.
+fn locked(folder: &Path, manifest: &Path) -> Result<FileLock, CampaignError> {
+    let lock = FileLock::of(manifest).map_err(|e| refuse(manifest, &e))?;
+    lock.ok_or_else(|| CampaignError::Busy { folder: folder.to_owned() })
 }
 
 /// Refuses a folder with files of others; incomplete files of a killed program do not count.

@@ -32,6 +32,8 @@ pub use error::DesignError;
 #[doc(hidden)]
 pub use prediction::expected::{Expected, ExpectedRecording, NoisyEstimate};
 #[doc(hidden)]
+pub use search::watch::DesignProgress;
+#[doc(hidden)]
 pub use search::{
     criterion::{Criterion, CriterionName},
     information::{Information, MotionCriterion},

@@ -1,5 +1,7 @@
 //! The steps of a design: limits, searches, verification, prediction.
 
+use std::ops::ControlFlow;
+
 use crate::design::{
     error::DesignError,
     limits::{joint_limits::JointLimits, loads::Loads, verified::Verified},
@@ -11,6 +13,7 @@ use crate::design::{
     search::{
         optimiser::Problem,
         searches::{Searches, Start, sign_scales},
+        watch::{Descents, DesignProgress, Watch},
     },
     text::description::Design,
 };
@@ -49,6 +52,8 @@ pub(in crate::design) struct FeasibleMotion {
     pub(in crate::design) collision: Option<CollisionResults>,
     /// The criterion if the last earlier recording were repeated.
     pub(in crate::design) repeated: Option<f64>,
+    /// Descents that had ended when the search was stopped, and all of them.
+    pub(in crate::design) stopped_after: Option<[usize; 2]>,
 }
 
 impl Design {
@@ -58,17 +63,30 @@ impl Design {
     ///
     /// # Errors
     /// [`DesignError`] if no motion within the limits identifies every parameter, or a limit cannot hold.
-    pub fn run(&self, threads: usize, progress: &mut dyn FnMut(&str)) -> Result<DesignResults, DesignError> {
+    pub fn run(&self, threads: usize) -> Result<DesignResults, DesignError> {
+        self.run_watched(threads, &|_| ControlFlow::Continue(()))
+    }
+
+    /// The same with its progress shown. Once `show` breaks, searches end with the best motion so far, which is verified and predicted.
+    ///
+    /// # Errors
+    /// As [`Design::run`].
+    #[doc(hidden)]
+    pub fn run_watched(
+        &self,
+        threads: usize,
+        show: &(dyn Fn(&DesignProgress) -> ControlFlow<()> + Sync),
+    ) -> Result<DesignResults, DesignError> {
+        let watch = Watch::new(show);
         let limits = self.limits()?;
         let model = Model::new(&self.robot);
         let base = BaseParameters::with_fixed(&model, &self.settings.parameters.exclude, &self.settings.parameters.fix)
             .map_err(|source| DesignError::BaseParameters { path: self.path.clone(), source })?;
-        let compared = self.compared(threads, progress)?;
-        progress("searching motions");
+        let compared = self.compared(threads, &watch)?;
         let problem = self.problem(&model, &base, &limits)?;
         self.verify_sweeps(&model, &problem.watched, &limits)?;
-        let chosen = self.choose(&model, &problem, &limits, threads)?;
-        progress("predicting intervals");
+        let chosen = self.choose(&model, &problem, &limits, (threads, &watch))?;
+        watch.stage("predicting intervals");
         let [loaded, unloaded] = self.true_motions(&model, &chosen)?;
         let noise = self.position_noise();
         let recording = self.expected_recording(&loaded, &noise);
@@ -80,8 +98,7 @@ impl Design {
             }
             None => Vec::new(),
         };
-        progress("searching a motion for what stays unknown");
-        let remedies = self.remedies(&problem, &base, &limits, &chosen.motion, &expected, threads);
+        let remedies = self.remedies((&problem, &base, &limits), &chosen.motion, &expected, (threads, &watch));
         self.results(&model, &base, chosen, Forecast { expected, remedies, gains, compared })
     }
 
@@ -91,11 +108,13 @@ impl Design {
         model: &Model,
         problem: &Problem,
         limits: &[JointLimits],
-        threads: usize,
+        (threads, watch): (usize, &Watch<'_>),
     ) -> Result<FeasibleMotion, DesignError> {
         let motion = &self.file.motion;
         let searches = Searches { count: motion.starts, seed: motion.seed, threads, sign_scales: sign_scales(limits) };
-        let mut starts = searches.run(problem);
+        let descents = Descents::new(watch, "searching motions", searches.descents(problem));
+        let mut starts = searches.run(problem, &descents);
+        let stopped_after = descents.stopped_after();
         starts.sort_by(|a, b| a.value.total_cmp(&b.value));
         let mut first_error = None;
         for k in 0..starts.len() {
@@ -107,7 +126,16 @@ impl Design {
                     let torque = problem.loads.torques(&motion, Sign::Exact).swap_remove(0);
                     let moves = problem.watched.moves(&x);
                     let repeated = self.repeated(problem)?;
-                    return Ok(FeasibleMotion { motion, torque, uses, starts, moves, collision, repeated });
+                    return Ok(FeasibleMotion {
+                        motion,
+                        torque,
+                        uses,
+                        starts,
+                        moves,
+                        collision,
+                        repeated,
+                        stopped_after,
+                    });
                 }
                 Err(error) => _ = first_error.get_or_insert(error),
             }

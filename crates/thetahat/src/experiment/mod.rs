@@ -21,6 +21,7 @@ mod description;
 mod driver;
 mod error;
 mod identified;
+mod missing_values;
 mod paths;
 mod power;
 mod predict;

@@ -8,6 +8,7 @@ use super::{
     delays::without_delays,
     description::{Experiment, RecordingDescription},
     error::ExperimentError,
+    missing_values::complete_samples,
     repeated_rows::{bridged, repeated_rows},
 };
 use crate::preparation::{PreparationError, Recording, unwrap};
@@ -59,6 +60,7 @@ impl Experiment {
             notes,
             ..Recording::without_torque(1.0, position)
         };
+        let (read, times) = with_complete_samples(description, data, (read, times))?;
         let (read, times) = with_samples_once(read, times);
         let (read, clock) = clock_of_read(description, data, with_repeats_bridged(read), times)?;
         let recording = described(description, number, data, read, &clock);
@@ -108,6 +110,7 @@ impl Experiment {
         let channels = read_other_channels(description, data, &position)?;
         let times = read_times(description, data, &position)?;
         let read = Recording { channels, ..Recording::without_torque(1.0, position) };
+        let (read, times) = with_complete_samples(description, data, (read, times))?;
         let (read, times) = with_samples_once(read, times);
         let (read, clock) = clock_of_read(description, data, with_repeats_bridged(read), times)?;
         let recording = described(description, 1, data, read, &clock);
@@ -143,8 +146,9 @@ impl Experiment {
         })
     }
 
+    /// Channels of the joints, with NaN where a value is missing.
     fn read_channels(&self, source: &ChannelSource, data: &Path) -> Result<Series, ExperimentError> {
-        let series = recording::read_channels(source, data)?;
+        let series = recording::read_channels_with_missing_values(source, data)?;
         let (expected, found) = (self.robot.coordinate_count(), series.channels());
         if found == expected {
             return Ok(series);
@@ -164,13 +168,48 @@ fn with_samples_once(mut read: Recording, times: Option<Vec<f64>>) -> (Recording
     let copies = all.len() - kept.len();
     let (are, the) = if copies == 1 { ("sample is a copy", "was") } else { ("samples are copies", "were") };
     read.notes.push(format!("{copies} {are} of the one before, with its time, and {the} left out"));
-    read.position = selected(&read.position, &kept);
-    for series in [&mut read.torque, &mut read.velocity, &mut read.reference, &mut read.added_signal] {
-        *series = series.as_ref().map(|s| selected(s, &kept));
-    }
-    read.channels.values_mut().for_each(|s| *s = selected(s, &kept));
     let times = kept.iter().map(|&k| all[k]).collect();
-    (read, Some(times))
+    (of_samples(read, &kept), Some(times))
+}
+
+/// Some samples of a recording that was read.
+fn of_samples(mut read: Recording, kept: &[usize]) -> Recording {
+    read.position = selected(&read.position, kept);
+    for series in [&mut read.torque, &mut read.velocity, &mut read.reference, &mut read.added_signal] {
+        *series = series.as_ref().map(|s| selected(s, kept));
+    }
+    read.channels.values_mut().for_each(|s| *s = selected(s, kept));
+    read
+}
+
+/// The recording without samples that lack a value, which its notes name: they are gaps.
+fn with_complete_samples(
+    description: &RecordingDescription,
+    data: &Path,
+    (mut read, times): (Recording, Option<Vec<f64>>),
+) -> Result<(Recording, Option<Vec<f64>>), ExperimentError> {
+    let channel = |(name, source)| Some((source, read.channels.get(name)?));
+    let time = times.as_ref().map(|times| Series::shaped(1, times.clone()));
+    let signals = [
+        description.time.as_ref().zip(time.as_ref()),
+        Some((&description.position, &read.position)),
+        description.torque.as_ref().zip(read.torque.as_ref()),
+        description.velocity.as_ref().zip(read.velocity.as_ref()),
+        description.reference.as_ref().zip(read.reference.as_ref()),
+        description.added_signal.as_ref().zip(read.added_signal.as_ref()),
+    ];
+    let signals: Vec<_> =
+        signals.into_iter().flatten().chain(description.channels.iter().filter_map(channel)).collect();
+    let Some(complete) = complete_samples(&signals, data)? else { return Ok((read, times)) };
+    let samples = read.position.len();
+    read.notes.push(format!(
+        "{} of {samples} samples lack a value (an empty cell or NaN), and were left out as gaps",
+        samples - complete.len()
+    ));
+    let rate = description.sample_rate_hz.unwrap_or(1.0);
+    let time = |k: &usize| times.as_ref().map_or(*k as f64 / rate, |times| times[*k]);
+    let times = complete.iter().map(time).collect();
+    Ok((of_samples(read, &complete), Some(times)))
 }
 
 /// The recording with the rows interpolated that a logger repeated, which its notes name.
@@ -272,7 +311,7 @@ fn read_other_channels(
     position: &Series,
 ) -> Result<BTreeMap<String, Series>, ExperimentError> {
     let read = |(name, source): (&String, &ChannelSource)| {
-        let series = recording::read_channels(source, data)?;
+        let series = recording::read_channels_with_missing_values(source, data)?;
         let file = description.position.path(data);
         recording::same_length(position, "position", &file, &series, name, &source.path(data))?;
         Ok((name.clone(), series))
@@ -287,7 +326,7 @@ fn read_times(
     position: &Series,
 ) -> Result<Option<Vec<f64>>, ExperimentError> {
     let Some(source) = &description.time else { return Ok(None) };
-    let time = recording::read_channels(source, data)?;
+    let time = recording::read_channels_with_missing_values(source, data)?;
     let time = of_all_channels(time, source, &source.path(data))?;
     recording::one_channel(&time, "time", &source.path(data))?;
     recording::same_length(position, "position", &description.position.path(data), &time, "time", &source.path(data))?;
@@ -299,9 +338,11 @@ fn clock_of(
     data: &Path,
     times: Option<Vec<f64>>,
 ) -> Result<Clock, ExperimentError> {
-    let Some((source, times)) = description.time.as_ref().zip(times) else {
+    let Some(times) = times else {
         return Ok(Clock::uniform(description.sample_rate_hz.unwrap_or_default()));
     };
+    // Times of a stated rate are those of the positions.
+    let source = description.time.as_ref().unwrap_or(&description.position);
     let column = source.columns.first().map_or("time", String::as_str);
     Ok(Clock::from_stamps(times, description.largest_jitter, &source.path(data), column)?)
 }

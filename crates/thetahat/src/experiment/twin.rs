@@ -3,6 +3,7 @@
 use super::{
     description::{Experiment, TwinDescription, Unlisted},
     error::ExperimentError,
+    missing_values::refuse_missing,
     paths,
 };
 use crate::{
@@ -165,6 +166,7 @@ impl Experiment {
         let Some(source) = &twin.reference else { return self.plan(twin).map(TwinReference::Moves) };
         paths::path_in_project(&self.path, "[twin] reference", &source.file)?;
         let positions = self.read_joint_positions(source, self.folder())?;
+        refuse_missing(source, &positions, self.folder())?;
         let (found, expected) = (positions.len(), "positions of a motion of two samples at least");
         PreparationError::require(found > 1, "[twin] reference", expected, found).map_err(|e| self.refuse(e))?;
         Ok(TwinReference::Sampled(positions))

@@ -34,7 +34,14 @@ pub(crate) fn unwrap(series: &mut Series, is_angle: impl Fn(usize) -> bool) -> V
 
 /// The turns to add to each sample; none if the channel has no jump, or one that is not of one turn.
 fn unwrapped(channel: usize, angles: &[f64]) -> Option<(Wraps, Vec<f64>)> {
-    let steps: Vec<f64> = angles.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mut last = f64::NAN;
+    // A value that is missing makes no step.
+    let known = angles.iter().map(|angle| {
+        last = if angle.is_finite() { *angle } else { last };
+        last
+    });
+    let known: Vec<f64> = known.collect();
+    let steps: Vec<f64> = known.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let is_jump = |step: &f64| step.abs() > JUMP * TAU;
     let largest = steps.iter().filter(|step| !is_jump(step)).fold(0.0, |most: f64, step| most.max(step.abs()));
     let difference = (STEPS * largest).max(LEAST);

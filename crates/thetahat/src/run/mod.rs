@@ -24,7 +24,6 @@ mod examination;
 mod hidden_bias;
 mod identification;
 mod linear;
-mod mass_diagonal;
 mod model;
 mod parameters;
 mod payload;

@@ -2,7 +2,6 @@
 
 use std::{f64::consts::TAU, sync::Arc};
 
-use super::mass_diagonal::mass_diagonal;
 use crate::preparation::{
     Basis, Case, FilteredRecording, Mask, NamedMask, PreparationError, Recording, Settings, Setup, SignalOptions,
 };
@@ -141,7 +140,7 @@ fn joint_inertias(setup: Setup<'_>, model: &ModelResult, filtered: &FilteredReco
     let dynamics = Model::new(setup.robot);
     let standard: Vec<f64> =
         dynamics.parameter_table().iter().map(|p| model.standard_value(&p.name()).unwrap_or(0.0)).collect();
-    mass_diagonal(&dynamics, &standard, &filtered.motion.q.means())
+    dynamics.joint_inertias(&standard, &filtered.motion.q.means()).ok()
 }
 
 /// The torques of what is estimated with those of what is known: a payload, and parameters at a value.

@@ -113,7 +113,7 @@ fn least(q: &[f64]) -> f64 {
 /// No capsule is nearer to another, to the table or to the wall than the margin, at 1 kHz; and the design uses the room.
 fn keeps_apart(motion: &str) {
     let design = design(motion);
-    let results = design.run(2, &mut |_| {}).unwrap();
+    let results = design.run(2).unwrap();
     let collision = results.collision.as_ref().unwrap();
     let nearest = collision.pairs[0].distance;
     assert!(nearest >= 1e-3 * MARGIN_MM, "{collision:?}");
@@ -187,7 +187,7 @@ fn shapes_come_from_the_urdf() {
         [limits]\nacceleration = 900\n[noise]\ntorque = 0.1\n[signal]\ncutoff_hz = 40\ndecimation = 10\n[collision]\nmargin = 10\n\
         [[collision.obstacles]]\nkind = 'box'\nname = 'post'\ncentre = [0, 0, -700]\nedges = [200, 200, 200]\n";
     let design = Design::parse(text, &folder.path().join("design.toml")).unwrap();
-    let results = design.run(2, &mut |_| {}).unwrap();
+    let results = design.run(2).unwrap();
     let collision = results.collision.unwrap();
     assert_eq!(collision.uncovered, ["hand"]);
     let names: Vec<&str> = collision.pairs.iter().map(|p| p.first.as_str()).collect();

@@ -19,6 +19,7 @@ mod hidden_bias;
 mod locked_joints;
 #[cfg(feature = "parquet")]
 mod long_parquet;
+mod missing_values;
 mod model;
 mod near_rest;
 mod nist_strd;

@@ -99,7 +99,7 @@ fn results_of_before_the_verdict_still_read() {
     let record = experiment.record_twin().unwrap();
     let results = by_ls(&experiment.robot, &record, record.torque.clone());
     let mut json: serde_json::Value = serde_json::from_str(&results.to_json().unwrap()).unwrap();
-    json.as_object_mut().unwrap().retain(|key, _| !key.starts_with("verdict"));
+    json.as_object_mut().unwrap().retain(|key, _| !key.starts_with("verdict") && key != "digest");
     let read = Results::from_json(Path::new("results.json"), &json.to_string()).unwrap();
     assert!(read.verdict.is_none() && read.verdict_reasons.is_empty());
 }

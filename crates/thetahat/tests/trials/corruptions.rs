@@ -13,7 +13,7 @@ use super::corruption_suite::{
 use libtest_mimic::{Failed, Trial};
 use thetahat::checks::{Code, Finding, Severity};
 use thetahat_estimation::checks::{examine, measure};
-use thetahat_testing::{ensure, has_shared};
+use thetahat_testing::{ensure, has_shared, thinned};
 
 /// Twins with other seeds, noise and trajectories.
 const OTHER_TWINS: u64 = 20;
@@ -152,14 +152,14 @@ pub fn all_trials() -> Vec<Trial> {
     let mut trials = Vec::new();
     let mut always =
         |name: String, run: Box<dyn FnOnce() -> Result<(), Failed> + Send>| trials.push(Trial::test(name, run));
-    for corruption in all().into_iter().chain(of_controllers()) {
+    for corruption in thinned(all(), 0).chain(of_controllers()) {
         always(format!("twin: {}", corruption.name), Box::new(move || raises(the_twin, &corruption)));
     }
     for case in unseen() {
         always(format!("twin: not seen: {}", case.name), Box::new(move || raises_nothing(the_twin(), &case)));
     }
     always("twin: clean".into(), Box::new(|| clean_with_everything_beside(the_twin())));
-    for number in 0..OTHER_TWINS {
+    for number in thinned((0..OTHER_TWINS).collect(), 0) {
         always(
             format!("twin {number} with other noise and moves: clean"),
             Box::new(move || is_clean(&other_twin(number).findings())),
@@ -173,7 +173,7 @@ pub fn all_trials() -> Vec<Trial> {
     let mut recorded = |name: String, run: Box<dyn FnOnce() -> Result<(), Failed> + Send>| {
         trials.push(Trial::test(name, run).with_ignored_flag(absent));
     };
-    for corruption in all() {
+    for corruption in thinned(all(), 1) {
         recorded(format!("TX40: {}", corruption.name), Box::new(move || raises(the_tx40, &corruption)));
     }
     for case in unseen() {

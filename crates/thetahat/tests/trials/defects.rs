@@ -19,7 +19,7 @@ use thetahat::{
     results::Verdict,
 };
 use thetahat_estimation::checks::compare;
-use thetahat_testing::{ensure, has_shared};
+use thetahat_testing::{ensure, has_shared, thinned};
 
 /// The findings of this suite: clean records raise none of them.
 const CODES: [Code; 10] = [
@@ -157,16 +157,16 @@ pub fn all_trials() -> Vec<Trial> {
         eprintln!("\n*** SKIPPED: the tests on recorded data, which is absent (set THETAHAT_SHARED) ***\n");
     }
     let mut trials = Vec::new();
-    for specimen in Specimen::ALL {
+    for (group, specimen) in Specimen::ALL.into_iter().enumerate() {
         let mut add = |name: &str, run: Box<dyn FnOnce() -> Result<(), Failed> + Send>| {
             let trial = Trial::test(format!("{}: {name}", specimen.name()), run);
             trials.push(trial.with_ignored_flag(absent && specimen.is_recorded()));
         };
         add("clean", Box::new(move || clean(record_of(specimen))));
-        for defect in defects() {
+        for defect in thinned(defects(), group) {
             add(defect.name, Box::new(move || of_one(specimen, &defect)));
         }
-        for defect in pair_defects() {
+        for defect in thinned(pair_defects(), group) {
             add(defect.name, Box::new(move || of_two(specimen, &defect)));
         }
     }

@@ -171,7 +171,7 @@ impl Reference {
     fn best(&self, motion: &str, starts: usize, acceleration: &[f64], bound: f64) -> Result<Vec<f64>, Failed> {
         let design = self.design(motion, starts, acceleration)?;
         let began = std::time::Instant::now();
-        let results = design.run(2, &mut |_| {})?;
+        let results = design.run(2)?;
         let seconds = began.elapsed().as_secs_f64() / starts as f64;
         let [q, dq, ddq] = [&results.q, &results.dq, &results.ddq].map(|series| series.window(0..SAMPLES));
         let position = self.numbers("qlo").into_iter().zip(self.numbers("qhi")).map(|(l, h)| [l, h]);

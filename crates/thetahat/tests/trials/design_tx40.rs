@@ -103,7 +103,7 @@ fn thirteen_moves() -> Result<(), Failed> {
     );
     let design = Design::parse(&text, &folder.path().join("design.toml"))?;
     let began = std::time::Instant::now();
-    let results = design.run(2, &mut |_| {})?;
+    let results = design.run(2)?;
     let seconds = began.elapsed().as_secs_f64();
     let model = Model::new(&robot);
     let base = BaseParameters::of(&model, &[])?;
@@ -157,7 +157,7 @@ fn the_promise_is_kept() -> Result<(), Failed> {
     let folder = Folder::new();
     robot(&folder)?;
     let design = Design::parse(&predict(), &folder.path().join("design.toml"))?;
-    let results = design.run(2, &mut |_| {})?;
+    let results = design.run(2)?;
     let out = folder.path().join("out");
     thetahat_report::report::write_design(&results, &out)?;
     let experiment = Experiment::read(&out.join("rehearsal.toml"), Path::new(""))?;

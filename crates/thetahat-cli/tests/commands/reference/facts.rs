@@ -283,7 +283,7 @@ pub const FINDINGS: [[&str; 4]; 41] = [
 ];
 
 /// Code, what asks for care, what forbids the use, and what to do.
-pub const REASONS: [[&str; 4]; 17] = [
+pub const REASONS: [[&str; 4]; 18] = [
     ["check-problem", "", "a problem of the checks in a recording that was used", "that of the finding"],
     [
         "drive-gain",
@@ -370,5 +370,11 @@ pub const REASONS: [[&str; 4]; 17] = [
         "a [cause](../manual/what_you_get.md#what-the-model-can-be-wrong-in) has a probability below 1e-5 by chance; a delay counts from {diagnosis/verdict/model LATE_SAMPLES} samples and {diagnosis/verdict/model LATE_S} s",
         "a payload that is picked up or put down explains more than {diagnosis/verdict/model PAYLOAD_PERCENT} % of the torques",
         "that of the cause",
+    ],
+    [
+        "changed-file",
+        "`results.json` has another digest than it states",
+        "",
+        "identify again, or take the file that thetahat wrote",
     ],
 ];

@@ -3,7 +3,10 @@
 //! Views, triggers and generated columns of a database run when it is read. Therefore the file is opened read-only, its schema is not
 //! trusted, nothing may replace the two tables, and a query that runs longer than the size of the file justifies is stopped.
 
-use std::path::{Path, PathBuf};
+use std::{
+    io::Read,
+    path::{Path, PathBuf},
+};
 
 use rusqlite::config::DbConfig;
 use rusqlite::types::ValueRef;
@@ -33,8 +36,8 @@ pub(super) fn read(path: &Path, topic: Option<&str>, topics: &mut Topics) -> Res
     if zstd::is_compressed_file(path) {
         return read_bytes(&zstd::decompress_file(path)?, topic, topics);
     }
-    if write_ahead_log(path).is_some_and(|log| files::length(&log).is_ok_and(|length| length > 0)) {
-        return Err(topics.refuse(BagError::NotClosed));
+    if let Some(ending) = second_file(path) {
+        return Err(topics.refuse(BagError::NotClosed { ending }));
     }
     Bag { connection: open(path)?, topics }.read(length, topic)
 }
@@ -66,11 +69,24 @@ fn in_memory(bytes: &[u8]) -> rusqlite::Result<Connection> {
     Ok(connection)
 }
 
-/// The file in which SQLite keeps changes that are not yet in the database.
-fn write_ahead_log(path: &Path) -> Option<PathBuf> {
-    let mut name = path.file_name()?.to_owned();
-    name.push("-wal");
-    Some(path.with_file_name(name))
+/// Beginning of a journal whose transaction SQLite would undo; that of a finished one is empty or zero.
+const HOT_JOURNAL: [u8; 8] = [0xd9, 0xd5, 0x05, 0xf9, 0x20, 0xa1, 0x63, 0xd7];
+
+/// The end of the name of a second file, without which the database is not whole: changes that are not yet in it, or what a transaction
+/// that was not finished replaced in it.
+fn second_file(path: &Path) -> Option<&'static str> {
+    let second = |ending: &str| {
+        let mut name = path.file_name()?.to_owned();
+        name.push(ending);
+        Some(path.with_file_name(name))
+    };
+    let is_filled = |path: PathBuf| files::length(&path).is_ok_and(|length| length > 0);
+    let is_hot = |path: PathBuf| {
+        let mut beginning = [0; 8];
+        files::open(&path).is_ok_and(|mut file| file.read_exact(&mut beginning).is_ok()) && beginning == HOT_JOURNAL
+    };
+    let log = second("-wal").is_some_and(is_filled).then_some("-wal");
+    log.or_else(|| second("-journal").is_some_and(is_hot).then_some("-journal"))
 }
 
 /// The address of a file declared immutable, so that SQLite writes no file next to it.

@@ -166,11 +166,14 @@ pub enum BagError {
         reason: String,
     },
 
-    /// A bag in SQLite was not closed: the last changes are in a second file.
+    /// A bag in SQLite was not closed: the last changes are in a second file, or what they replaced is.
     #[error(
-        "the bag was not closed: there is a file of the same name that ends in -wal; close it with `sqlite3 FILE vacuum`"
+        "the bag was not closed: there is a file of the same name that ends in {ending}; close it with `sqlite3 FILE vacuum`"
     )]
-    NotClosed,
+    NotClosed {
+        /// The end of the second file's name.
+        ending: &'static str,
+    },
 
     /// The metadata of a bag name no file that can be read.
     #[error(

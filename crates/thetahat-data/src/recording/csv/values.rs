@@ -28,8 +28,16 @@ impl Values {
             return self.push_stamp(cell, line);
         }
         self.numbers.push(number.unwrap_or(f64::NAN));
-        if self.flaw.is_none() && !number.is_some_and(is_plausible) {
-            self.flaw = Some(flaw(number, cell, line()));
+        if !number.is_some_and(is_plausible) {
+            self.note(flaw(number, cell, line()));
+        }
+    }
+
+    /// Keeps the first flaw, or the first that is no missing value.
+    fn note(&mut self, flaw: Flaw) {
+        let is_only_missing = self.flaw.as_ref().is_some_and(Flaw::is_missing_value) && !flaw.is_missing_value();
+        if self.flaw.is_none() || is_only_missing {
+            self.flaw = Some(flaw);
         }
     }
 

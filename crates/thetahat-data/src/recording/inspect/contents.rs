@@ -217,7 +217,7 @@ fn summary(table: &Table, format: Format, time: Option<&str>) -> TableSummary {
 }
 
 fn column_summary(column: &Column) -> ColumnSummary {
-    let not_numeric = match &column.flaw {
+    let not_numeric = match column.flaw.as_ref().filter(|flaw| !flaw.is_missing_value()) {
         Some(Flaw::Kind(kind)) => Some(kind.clone()),
         Some(Flaw::Text { line, found }) => Some(format!("text, such as {found:?} in line {line}")),
         Some(Flaw::UnclearDate { line, found }) => Some(format!(

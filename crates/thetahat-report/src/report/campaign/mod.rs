@@ -21,6 +21,7 @@ use box_plot::{BoxGroup, BoxOf, box_chart};
 use figures::{bias, coverage};
 use power::power;
 use tables::{LEGEND, comparison, parameters};
+use thetahat_ground::output::FileKind;
 
 /// The tables for the terminal.
 #[must_use]
@@ -39,7 +40,9 @@ pub fn campaign_text(results: &CampaignResults, width: TextWidth) -> String {
 }
 
 /// The page of a campaign.
-pub const CAMPAIGN_PAGE: &str = "campaign.html";
+pub const CAMPAIGN_PAGE: (&str, FileKind) = ("campaign.html", FileKind::Page(GENERATOR));
+
+const GENERATOR: &str = "thetahat campaign";
 
 /// Writes `campaign.html` into an existing folder. Returns its path.
 ///
@@ -73,12 +76,13 @@ pub fn write_campaign(results: &CampaignResults, directory: &Path) -> Result<Pat
     ];
     let page = Page {
         title: &results.title,
+        generator: GENERATOR,
         facts: facts(results),
         sections: sections.into_iter().filter(|s| !s.is_empty()).collect(),
         footer: "All figures except the counts of runs are from runs that converged.",
         ..Page::default()
     };
-    write_one(directory, CAMPAIGN_PAGE, render(&page)?.into_bytes())
+    write_one(directory, CAMPAIGN_PAGE.0, render(&page)?.as_bytes())
 }
 
 fn facts(results: &CampaignResults) -> Vec<(&'static str, String)> {

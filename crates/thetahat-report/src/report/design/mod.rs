@@ -18,18 +18,23 @@ use crate::results::DesignResults;
 use figures::{distance, motions, robot, searches, spectrum};
 use move_programs::{MOVE_FILES, move_programs};
 use tables::{conclusions, distances, facts, frequencies, limits, nearness, predicted};
-use thetahat_ground::visible::{cell, visible};
+use thetahat_ground::{
+    output::{DESIGNED_EXPERIMENT, FileKind, TRAJECTORY_JSON, TRAJECTORY_YAML},
+    visible::{cell, visible},
+};
 
 /// The files of every design.
-pub const DESIGN_FILES: [&str; 7] = [
-    "trajectory.csv",
-    "trajectory.yaml",
-    "trajectory.json",
-    "predicted.csv",
-    "experiment.toml",
-    "rehearsal.toml",
-    "design.html",
+pub const DESIGN_FILES: [(&str, FileKind); 7] = [
+    ("trajectory.csv", FileKind::Trajectory),
+    ("trajectory.yaml", FileKind::TrajectoryYaml),
+    ("trajectory.json", FileKind::TrajectoryJson),
+    ("predicted.csv", FileKind::PredictedIntervals),
+    ("experiment.toml", FileKind::DesignedExperiment),
+    ("rehearsal.toml", FileKind::DesignedExperiment),
+    ("design.html", FileKind::Page(GENERATOR)),
 ];
+
+const GENERATOR: &str = "thetahat design";
 
 /// The predicted intervals, the limits and the searches, for the terminal.
 #[must_use]
@@ -56,7 +61,7 @@ pub fn write_design(results: &DesignResults, directory: &Path) -> Result<Vec<Pat
     ];
     let programs = results.moves.iter().flat_map(|moves| move_programs(results, moves)).map(String::into_bytes);
     let files = DESIGN_FILES.into_iter().zip(contents).chain(MOVE_FILES.into_iter().zip(programs));
-    files::write_files(directory, files.collect())
+    files::write_files(directory, files.map(|((name, _), content)| (name, content)).collect())
 }
 
 fn page(results: &DesignResults) -> Result<String, ReportError> {
@@ -96,6 +101,7 @@ fn page(results: &DesignResults) -> Result<String, ReportError> {
     sections.retain(|section| section.id != "distances" || results.collision.is_some());
     render(&Page {
         title: &results.title,
+        generator: GENERATOR,
         facts: facts(results),
         sections,
         footer: "The a-priori values are those of the robot's description; predicted intervals of the closed loop depend on them.",
@@ -126,10 +132,7 @@ fn predicted_csv(results: &DesignResults) -> Result<Vec<u8>, csv::Error> {
 /// A ROS 2 `trajectory_msgs/msg/JointTrajectory` as YAML; names and points are JSON, a subset of YAML.
 fn joint_trajectory(results: &DesignResults) -> String {
     let names: Vec<&str> = results.joints.iter().map(|j| j.name.as_str()).collect();
-    let mut text = format!(
-        "# thetahat trajectory: trajectory_msgs/msg/JointTrajectory\njoint_names: {}\npoints:\n",
-        serde_json::Value::from(names)
-    );
+    let mut text = format!("{TRAJECTORY_YAML}joint_names: {}\npoints:\n", serde_json::Value::from(names));
     for k in 0..results.q.len() {
         let nanoseconds = (1e9 * k as f64 / results.sample_rate_hz).round() as u64;
         let (sec, nanosec) = (nanoseconds / 1_000_000_000, nanoseconds % 1_000_000_000);
@@ -155,7 +158,7 @@ fn joint_trajectory_json(results: &DesignResults) -> String {
     };
     let points: Vec<String> = (0..results.q.len()).map(|k| point(k).to_string()).collect();
     format!(
-        "{{\"thetahat\":\"trajectory\",\"joint_names\":{},\"points\":[\n{}\n]}}\n",
+        "{TRAJECTORY_JSON}\"joint_names\":{},\"points\":[\n{}\n]}}\n",
         serde_json::Value::from(names),
         points.join(",\n")
     )
@@ -166,7 +169,7 @@ fn experiment(results: &DesignResults, directory: &Path, motion: &str) -> String
     let text = &results.experiment;
     let robot = relative(&text.robot, directory);
     format!(
-        "# thetahat design: the experiment for the recording of trajectory.csv.\ntitle = {}\nrobot = {}\n\n{motion}\n{}",
+        "{DESIGNED_EXPERIMENT}title = {}\nrobot = {}\n\n{motion}\n{}",
         toml::Value::from(text.title.clone()),
         toml::Value::from(robot.to_string_lossy().replace('\\', "/")),
         text.settings

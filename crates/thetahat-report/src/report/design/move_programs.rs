@@ -6,10 +6,19 @@ use crate::{
     report::number::significant,
     results::{DesignResults, JointResult, Limited, Move, Moves},
 };
-use thetahat_ground::visible::visible;
+use thetahat_ground::{
+    output::{FileKind, MOVES_JSON},
+    visible::visible,
+};
 
 /// Names of the files of moves, one for each language.
-pub const MOVE_FILES: [&str; 5] = ["moves.json", "moves.src", "moves.mod", "moves.script", "moves.val3"];
+pub const MOVE_FILES: [(&str, FileKind); 5] = [
+    ("moves.json", FileKind::MovesJson),
+    ("moves.src", FileKind::MoveProgram),
+    ("moves.mod", FileKind::MoveProgram),
+    ("moves.script", FileKind::MoveProgram),
+    ("moves.val3", FileKind::MoveProgram),
+];
 
 /// Axes of the arm itself in KRL and RAPID; the following axes are external.
 const ARM_AXES: usize = 6;
@@ -39,10 +48,9 @@ pub(in crate::report) fn move_programs(results: &DesignResults, moves: &Moves) -
 
 fn json_of(results: &DesignResults, moves: &Moves) -> String {
     let names: Vec<&str> = results.joints.iter().map(|j| j.name.as_str()).collect();
-    format!(
-        "{}\n",
-        json!({ "thetahat": "design", "joint_names": names, "unit": "rad or m, s", "start": moves.start(), "moves": moves.moves() })
-    )
+    let content =
+        json!({ "joint_names": names, "unit": "rad or m, s", "start": moves.start(), "moves": moves.moves() });
+    format!("{MOVES_JSON}{}\n", content.to_string().trim_start_matches('{'))
 }
 
 impl<'a> Target<'a> {

@@ -6,7 +6,7 @@ use crate::{
         table::Table,
     },
     results::{
-        CollisionResults, DesignResults, Grade, LimitUse, PairDistance, PredictedGain, PredictedParameter,
+        CollisionResults, DesignResults, Grade, LimitUse, Limited, PairDistance, PredictedGain, PredictedParameter,
         PredictedPayload, SpectrumBound,
     },
 };
@@ -46,10 +46,11 @@ pub(in crate::report) fn conclusions(results: &DesignResults) -> Vec<String> {
     let count = |grade: Grade| known().filter(|p| p.grade() == grade).count();
     let [precise, rough, lost] = [Grade::Precise, Grade::Rough, Grade::NotIdentified].map(count);
     let (all, known_ones) = (results.predicted.len(), known().count());
-    let mut lines = vec![format!(
+    let mut lines: Vec<String> = results.stopped_after.iter().map(stopped).collect();
+    lines.push(format!(
         "{all} parameters are predicted. Of the {known_ones} whose a-priori value is not zero, if that is right: {precise} precise, \
          {rough} rough, {lost} not distinguishable from zero."
-    )];
+    ));
     let unknown: Vec<&str> = known().filter(|p| p.grade() == Grade::NotIdentified).map(|p| p.name.as_str()).collect();
     if !unknown.is_empty() {
         lines.push(format!("Not distinguishable from zero: {}.", unknown.join(", ")));
@@ -83,6 +84,10 @@ pub(in crate::report) fn conclusions(results: &DesignResults) -> Vec<String> {
     lines
 }
 
+fn stopped([ended, of]: &[usize; 2]) -> String {
+    format!("The search was stopped after {ended} of {of} descents: a longer one may find a better motion.")
+}
+
 /// What a design without shapes does not check, and how to.
 const NOT_CHECKED: &str = "Not checked: whether the robot touches itself, the floor or what stands around it. With [collision] margin = 50 and \
      [[collision.obstacles]] kind = \"plane\", name = \"floor\", normal = [0, 0, 1] its links stay 50 mm above the floor.";
@@ -98,13 +103,32 @@ fn without_drives(results: &DesignResults) -> Option<String> {
         .map(|(what, joints)| format!("no {what} ({})", named(joints)))
         .collect();
     (!lacks.is_empty()).then(|| {
+        let [friction, inertia] = results.assumed_percent.map(|percent| significant(percent, 3));
+        let alone = largest_torque(results).map_or_else(String::new, |part| {
+            format!("; of the a-priori robot alone torques reach {} % of a limit", significant(100.0 * part, 3))
+        });
         format!(
-            "The a-priori robot has {}: executed torques will be larger than designed ones. State fv, fc and ia in [parameters] of \
-             the robot, or leave room in [limits] torque.",
+            "The a-priori robot has {}: executed torques will be larger than its own. Torque limits hold for a robot with friction of \
+             {friction} % of the limit at the largest velocity, and motor inertia of {inertia} % of the joint's, in their place{alone}. \
+             These are guesses: state fv, fc and ia in [parameters] of the robot, or other guesses as friction_percent and \
+             motor_inertia_percent in [uncertainty].",
             lacks.join(" and ")
         )
     })
 }
+
+/// The largest torque of the a-priori robot, as a part of its limit.
+fn largest_torque(results: &DesignResults) -> Option<f64> {
+    let limits = results.limits.iter().filter(|limit| limit.quantity == Limited::Torque);
+    let part = |limit: &LimitUse| {
+        let largest = results.torque.channel(limit.coordinate).iter().fold(0.0, |most: f64, tau| most.max(tau.abs()));
+        largest / limit.limit[1]
+    };
+    limits.map(part).reduce(f64::max)
+}
+
+/// The longest recording that is worth a proposal, s.
+const LONGEST_S: f64 = 3600.0;
 
 /// Recording time until the intervals exclude zero, with this motion and with one designed for such parameters alone.
 fn remedy(results: &DesignResults) -> Option<String> {
@@ -112,18 +136,34 @@ fn remedy(results: &DesignResults) -> Option<String> {
     let one = |p: &PredictedParameter| {
         let times = p.narrower_by_own_motion?;
         let seconds = duration_s * (p.half_width_95 / p.a_priori).powi(2);
-        let [seconds, own] = [seconds, seconds / times.powi(2)].map(|s| significant(s, 2));
-        Some(format!("{} after {seconds} s of this motion or {own} s of its own", p.name))
+        Some((p.name.clone(), [seconds, seconds / times.powi(2)]))
     };
-    let all: Vec<String> = results.predicted.iter().filter_map(one).collect();
-    (!all.is_empty()).then(|| {
+    let all: Vec<(String, [f64; 2])> = results.predicted.iter().filter_map(one).collect();
+    let is_soon = |(_, [seconds, own]): &&(String, [f64; 2])| seconds.min(*own) <= LONGEST_S;
+    let time = |seconds: f64| {
+        if seconds <= LONGEST_S { format!("{} s", significant(seconds, 2)) } else { "more than an hour".to_owned() }
+    };
+    let soon = all.iter().filter(is_soon).map(|(name, [seconds, own])| {
+        format!("{name} after {} of this motion or {} of its own", time(*seconds), time(*own))
+    });
+    let soon: Vec<String> = soon.collect();
+    let never: Vec<&str> = all.iter().filter(|one| !is_soon(one)).map(|(name, _)| name.as_str()).collect();
+    let never = if never.is_empty() {
+        String::new()
+    } else {
+        format!(" No motion within these limits shows {} in an hour.", never.join(", "))
+    };
+    let soon = if soon.is_empty() {
+        String::new()
+    } else {
         format!(
             "Remedy: a motion designed for them alone ([wanted] criterion = \"chosen\", parameters = their names), or a longer \
              recording. Distinguishable from zero, by the information of both motions: {}. A known payload does not help \
              with these.",
-            all.join("; ")
+            soon.join("; ")
         )
-    })
+    };
+    (!all.is_empty()).then(|| format!("{soon}{never}").trim_start().to_owned())
 }
 
 /// The requirements of a payload, and the predicted intervals of the drive gains.

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use self::output::Output;
 use super::{error::ReportError, files::write_files, published::Published};
 use crate::results::Results;
+use thetahat_ground::output::FileKind;
 
 /// Every file, in the order in which they are listed.
 const OUTPUTS: [Output; 3] = [results_json::OUTPUT, parameters_csv::OUTPUT, report_html::OUTPUT];
@@ -17,6 +18,11 @@ const OUTPUTS: [Output; 3] = [results_json::OUTPUT, parameters_csv::OUTPUT, repo
 /// The names of the files that [`write_all`] writes.
 pub fn file_names() -> impl Iterator<Item = &'static str> {
     OUTPUTS.into_iter().map(|output| output.name)
+}
+
+/// The same with their kinds.
+pub fn files() -> impl Iterator<Item = (&'static str, FileKind)> {
+    OUTPUTS.into_iter().map(|output| (output.name, output.kind))
 }
 
 /// The content of one of the files that [`write_all`] writes; none for another name.

@@ -5,9 +5,10 @@ use crate::{
     report::{error::ReportError, published::Published},
     results::{NOMINAL, ParameterResult, Results},
 };
+use thetahat_ground::output::FileKind;
 use thetahat_ground::visible::cell;
 
-pub(super) const OUTPUT: Output = Output { name: "parameters.csv", render };
+pub(super) const OUTPUT: Output = Output { name: "parameters.csv", kind: FileKind::Parameters, render };
 
 const PARAMETER_COLUMNS: [&str; 12] = [
     "case",

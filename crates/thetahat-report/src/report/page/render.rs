@@ -1,20 +1,24 @@
 //! From the content of a page to its text.
 
+use base64::{Engine, engine::general_purpose::STANDARD};
 use minijinja::{Environment, Value, context, syntax::SyntaxConfig};
 use serde::Serialize;
 
 use super::card::HeadCard;
 use crate::report::{error::ReportError, figures::Figure, section::Section};
+use thetahat_ground::digest::sha256_bytes;
 
 /// The macros, and the page that uses them.
 const TEMPLATE: &str = concat!(include_str!("tables.html"), include_str!("charts.html"), include_str!("page.html"));
-const STYLE: &str = include_str!("style.css");
-const SCRIPT: &str = include_str!("script.js");
+const STYLE: &str = concat!("\n", include_str!("style.css"), "\n");
+const SCRIPT: &str = concat!("\n", include_str!("script.js"), "\n");
 
 /// The content of a page.
 #[derive(Debug, Default, Serialize)]
 pub(in crate::report) struct Page<'a> {
     pub(in crate::report) title: &'a str,
+    /// The kind of page, of which a command replaces another.
+    pub(in crate::report) generator: &'static str,
     /// The verdict, where there is one.
     pub(in crate::report) card: Option<HeadCard>,
     /// The recommended method: its curves are drawn without gaps.
@@ -44,7 +48,17 @@ fn text(page: Value) -> Result<String, minijinja::Error> {
     environment.add_template("page.html", TEMPLATE)?;
     let style = Value::from_safe_string(STYLE.to_owned());
     let script = Value::from_safe_string(SCRIPT.to_owned());
-    environment.get_template("page.html")?.render(context! { page, style, script })
+    environment.get_template("page.html")?.render(context! { page, style, script, policy => policy() })
+}
+
+/// The content security policy: the page runs and shows only what is in this file. Attributes place ticks and colour cells.
+fn policy() -> String {
+    let hash = |text: &str| STANDARD.encode(sha256_bytes(text.as_bytes()));
+    let [style, script] = [STYLE, SCRIPT].map(hash);
+    format!(
+        "default-src 'none'; style-src 'sha256-{style}'; style-src-attr 'unsafe-inline'; script-src 'sha256-{script}'; img-src data:; \
+         base-uri 'none'; form-action 'none'"
+    )
 }
 
 /// Converts JSON to a value of the template.

@@ -17,6 +17,8 @@ pub struct Sums {
     scale: Vec<Vec<f64>>,
     centre: Vec<f64>,
     has_free_start: bool,
+    /// Times that the motion is made.
+    periods: usize,
 }
 
 /// Values of the functions of a family at instants: order by order, instants x unknowns of a joint, without the joints' units.
@@ -51,13 +53,19 @@ impl Sums {
             let start = has_free_start.then_some(reach[0]);
             start.into_iter().chain(peaks.iter().map(|peak| unit(reach, peak))).collect()
         };
-        Self { scale: reach.iter().map(of_joint).collect(), basis, centre, has_free_start }
+        Self { scale: reach.iter().map(of_joint).collect(), basis, centre, has_free_start, periods: 1 }
     }
 
-    /// T, s.
+    /// The same motions, made several times.
+    #[must_use]
+    pub fn repeated(self, periods: usize) -> Self {
+        Self { periods, ..self }
+    }
+
+    /// Time of all periods, s.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
-        self.basis.period_s()
+        self.periods as f64 * self.basis.period_s()
     }
 
     /// Number of joints.
@@ -123,7 +131,8 @@ impl Sums {
     /// The functions at instants from zero to the duration.
     #[must_use]
     pub fn sampled(&self, time_s: &[f64]) -> Sampled {
-        let rows: Vec<_> = time_s.iter().map(|t| self.basis.at(*t)).collect();
+        let period_s = self.basis.period_s();
+        let rows: Vec<_> = time_s.iter().map(|t| self.basis.at(t - period_s * (t / period_s).floor())).collect();
         let first = usize::from(self.has_free_start);
         let value = |order: usize, k: usize, m: usize| match m.checked_sub(first) {
             Some(m) => rows[k][order][m],

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::design::{
     error::DesignError,
     prediction::noise::{TorqueNoise, torque_noise_of_rows},
-    search::optimiser::Problem,
+    search::{optimiser::Problem, watch::Watch},
     text::description::Design,
 };
 use crate::{
@@ -69,11 +69,14 @@ impl Design {
     pub(in crate::design) fn compared(
         &self,
         threads: usize,
-        progress: &mut dyn FnMut(&str),
+        watch: &Watch<'_>,
     ) -> Result<Option<Compared>, DesignError> {
         let Some(file) = self.compared_file() else { return Ok(None) };
         let results = match self.compared_experiment().transpose()? {
-            Some(experiment) => experiment.run_on_threads(folder_of(&experiment.path), threads, progress)?,
+            Some(experiment) => {
+                watch.stage("identifying what the design is compared with");
+                experiment.run_on_threads(folder_of(&experiment.path), threads, &mut |_| {})?
+            }
             None => Results::read(&file)?,
         };
         let taken =

@@ -8,6 +8,7 @@ use crate::design::{
         criterion::Criterion,
         optimiser::Problem,
         searches::{Searches, sign_scales},
+        watch::{Descents, Watch},
     },
     text::description::Design,
 };
@@ -22,12 +23,10 @@ impl Design {
     /// alone. By the information of both motions; limits are those of the search.
     pub(in crate::design) fn remedies(
         &self,
-        problem: &Problem,
-        base: &BaseParameters,
-        limits: &[JointLimits],
+        (problem, base, limits): (&Problem, &BaseParameters, &[JointLimits]),
         motion: &Derivatives,
         expected: &Expected,
-        threads: usize,
+        watched: (usize, &Watch<'_>),
     ) -> Vec<Option<f64>> {
         let a_priori = self.a_priori_of(base, expected);
         let place = |name: &str| base.parameters().iter().position(|p| p.name == name);
@@ -37,7 +36,7 @@ impl Design {
         });
         let places: Vec<Option<usize>> = places.collect();
         let unknown: Vec<usize> = places.iter().copied().flatten().collect();
-        let made = self.variances_with_own_motion(problem, limits, &unknown, threads);
+        let made = self.variances_with_own_motion(problem, limits, &unknown, watched);
         let (Some(made), Some(own)) = (made, variances(problem, motion)) else { return vec![None; places.len()] };
         places.into_iter().map(|place| place.map(|i| (own[i] / made[i]).sqrt())).collect()
     }
@@ -48,16 +47,18 @@ impl Design {
         problem: &Problem,
         limits: &[JointLimits],
         unknown: &[usize],
-        threads: usize,
+        (threads, watch): (usize, &Watch<'_>),
     ) -> Option<Vec<f64>> {
-        if unknown.is_empty() {
+        if unknown.is_empty() || watch.is_stopped() {
             return None;
         }
         let problem =
             Problem { criterion: Criterion::SelectedParameters { columns: unknown.to_vec() }, ..problem.clone() };
         let searches =
             Searches { count: STARTS, seed: self.file.motion.seed, threads, sign_scales: sign_scales(limits) };
-        let best = searches.run(&problem).into_iter().min_by(|a, b| a.value.total_cmp(&b.value))?;
+        let stage = "searching a motion for what stays unknown";
+        let descents = Descents::new(watch, stage, searches.descents(&problem));
+        let best = searches.run(&problem, &descents).into_iter().min_by(|a, b| a.value.total_cmp(&b.value))?;
         variances(&problem, &self.sampled(&problem.watched, &best.x))
     }
 }

@@ -3,11 +3,15 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::design::{error::DesignError, text::description::Design};
+use crate::design::{
+    error::DesignError,
+    limits::joint_limits::JointLimits,
+    text::{description::Design, options::UncertaintyOptions},
+};
 use crate::preparation::Payload;
 use thetahat_model::{
     dynamics::Model,
-    robot::{ParameterTable, Quantity},
+    robot::{ParameterTable, Quantity, Role},
 };
 
 /// Stream of the random numbers of the draws, which no search uses.
@@ -36,12 +40,62 @@ impl Design {
         let part = 0.01 * options.percent;
         let mut robots: Vec<Vec<f64>> =
             (0..options.draws).map(|_| drawn(model.parameter_table(), &a_priori, part, &mut rng)).collect();
-        robots.insert(0, a_priori);
+        let assumed = self.with_assumed_drives(model, &a_priori)?;
+        robots.splice(0..0, std::iter::once(a_priori).chain(assumed));
         let of_payload = self.payload_parameters(model)?;
         Ok(match of_payload {
             None => robots,
             Some(payload) => robots.into_iter().flat_map(|robot| [sum(&robot, &payload), robot]).collect(),
         })
+    }
+
+    /// The robot with usual friction and motor inertias in the joints that have none, where there are such joints and their torques are
+    /// limited: a description without them would let torques exceed their limits.
+    fn with_assumed_drives(&self, model: &Model, a_priori: &[f64]) -> Result<Option<Vec<f64>>, DesignError> {
+        let limits = self.limits()?;
+        let middle: Vec<f64> = limits.iter().map(JointLimits::middle).collect();
+        let inertias = model.joint_inertias(a_priori, &middle).unwrap_or_default();
+        let UncertaintyOptions { friction_percent, motor_inertia_percent, .. } = self.file.uncertainty;
+        let lacking = [self.joints_without_friction(), self.joints_without_motor_inertia()];
+        let mut robot = a_priori.to_vec();
+        for (i, value) in robot.iter_mut().enumerate() {
+            let parameter = model.parameter_table().get(i);
+            let coordinates = self.robot.coordinate_joints();
+            let Some(c) = coordinates.iter().position(|joint| joint + 1 == parameter.number) else { continue };
+            let Some(torque) = limits[c].torque else { continue };
+            let of_friction = 0.5 * 0.01 * friction_percent * torque;
+            let [lacks_friction, lacks_inertia] = lacking.each_ref().map(|lacking| lacking.contains(&coordinates[c]));
+            match parameter.quantity.role() {
+                Role::CoulombFriction if lacks_friction => *value = of_friction,
+                Role::ViscousFriction if lacks_friction => *value = of_friction / limits[c].velocity,
+                Role::MotorInertia if lacks_inertia => {
+                    *value = 0.01 * motor_inertia_percent * inertias.get(c).copied().unwrap_or_default();
+                }
+                Role::CoulombFriction | Role::ViscousFriction | Role::MotorInertia | Role::Inertial | Role::Load => {}
+            }
+        }
+        Ok((robot != a_priori).then_some(robot))
+    }
+
+    /// The joints that move of which the a-priori robot has no parameter of a kind, or zero.
+    pub(in crate::design) fn joints_without(&self, is_meant: impl Fn(Role) -> bool) -> Vec<usize> {
+        let theta = self.robot.a_priori_parameters();
+        let table = self.robot.parameter_table();
+        let has_any = |joint: usize| {
+            let own = table.iter().zip(&theta).filter(|(p, _)| p.number == joint + 1 && is_meant(p.quantity.role()));
+            own.map(|(_, value)| value.abs()).sum::<f64>() > 0.0
+        };
+        self.robot.coordinate_joints().into_iter().filter(|joint| !has_any(*joint)).collect()
+    }
+
+    /// The joints without friction.
+    pub(in crate::design) fn joints_without_friction(&self) -> Vec<usize> {
+        self.joints_without(|role| matches!(role, Role::ViscousFriction | Role::CoulombFriction))
+    }
+
+    /// The joints without motor inertia.
+    pub(in crate::design) fn joints_without_motor_inertia(&self) -> Vec<usize> {
+        self.joints_without(|role| role == Role::MotorInertia)
     }
 
     /// The standard parameters that the payload adds.

@@ -7,3 +7,4 @@ pub(in crate::design) mod optimiser;
 pub(in crate::design) mod problem;
 pub(in crate::design) mod searches;
 pub(in crate::design) mod starts;
+pub(in crate::design) mod watch;

@@ -48,9 +48,9 @@ impl Design {
         let kept: Vec<JointLimits> = limits.iter().map(|l| l.less(self.margin())).collect();
         let [summed, watched] = match file.motion.kind {
             MotionKind::Fourier => {
-                self.sums(&kept, Basis::fourier(file.duration_s, file.motion.harmonics(file.duration_s)))
+                self.sums(&kept, Basis::fourier(self.period_s(), file.motion.harmonics(file.duration_s)))
             }
-            MotionKind::Splines => self.sums(&kept, Basis::splines(file.duration_s, file.motion.splines())),
+            MotionKind::Splines => self.sums(&kept, Basis::splines(self.period_s(), file.motion.splines())),
             MotionKind::Moves => self.moves(model, &kept)?,
         };
         let swept = summed.move_family().and_then(|family| self.information_of_sweeps(model, base, family));
@@ -92,16 +92,25 @@ impl Design {
         })
     }
 
-    /// Sums of functions, at the instants of the information and at those of the limits.
+    fn periods(&self) -> usize {
+        self.file.motion.periods(self.file.duration_s)
+    }
+
+    /// The time in which a motion of sums is made once, s.
+    pub(in crate::design) fn period_s(&self) -> f64 {
+        self.file.duration_s / self.periods() as f64
+    }
+
+    /// Sums of functions, at the instants of the information and at those of the limits in one period.
     fn sums(&self, kept: &[JointLimits], basis: Basis) -> [Motions; 2] {
-        let (duration_s, harmonics) = (self.file.duration_s, basis.functions().div_ceil(2));
+        let (period_s, harmonics) = (self.period_s(), basis.functions().div_ceil(2));
         let reach: Vec<[f64; 3]> =
             kept.iter().map(|l| [0.5 * (l.upper - l.lower), l.velocity, l.acceleration]).collect();
         let start = self.start_posture();
         let centre = start.clone().unwrap_or_else(|| kept.iter().map(JointLimits::middle).collect());
-        let family = Sums::new(basis, centre, start.is_none(), &reach);
+        let family = Sums::new(basis, centre, start.is_none(), &reach).repeated(self.periods());
         [(INSTANTS * harmonics).max(FEWEST_INSTANTS), WATCHED * harmonics].map(|count| {
-            let grid: Vec<f64> = (0..count).map(|k| duration_s * (k as f64 + 0.5) / count as f64).collect();
+            let grid: Vec<f64> = (0..count).map(|k| period_s * (k as f64 + 0.5) / count as f64).collect();
             Motions::Sums { sampled: family.sampled(&grid), family: family.clone() }
         })
     }

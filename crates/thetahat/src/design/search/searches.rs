@@ -10,6 +10,7 @@ use crate::design::{
         crossing::crossed,
         optimiser::{OptimiserResult, Problem},
         starts::{best_of_random, kicked},
+        watch::Descents,
     },
 };
 use thetahat_ground::pool::in_parallel;
@@ -74,21 +75,38 @@ struct Search {
 }
 
 impl Searches {
-    /// Every search that found a motion; the result does not depend on the number of threads.
-    pub(in crate::design) fn run(&self, problem: &Problem) -> Vec<Start> {
-        let begun = in_parallel(self.count, self.threads, |number| self.begin(problem, number));
+    /// The descents of all searches on a problem.
+    pub(in crate::design) fn descents(&self, problem: &Problem) -> usize {
+        let Beginning { random, kicks } = Beginning::of(&problem.watched);
+        let crossed = match problem.watched {
+            Motions::Sums { .. } => EXCHANGES * CHILDREN,
+            Motions::Moves { .. } => 0,
+        };
+        self.count * (random + kicks + crossed + 1)
+    }
+
+    /// Every search that found a motion; the result does not depend on the number of threads. Searches that are stopped end with the best
+    /// motion of all.
+    pub(in crate::design) fn run(&self, problem: &Problem, descents: &Descents<'_>) -> Vec<Start> {
+        let begun = in_parallel(self.count, self.threads, |number| self.begin(problem, number, descents));
         let mut searches: Vec<Search> = begun.into_iter().flatten().collect();
         if let Motions::Sums { family, .. } = &problem.watched {
             for _ in 0..EXCHANGES {
                 let bests: Vec<Vec<f64>> = searches.iter().map(|search| search.best.found.x.clone()).collect();
-                let exchange = |number: usize| self.cross(problem, family, &searches[number], &bests);
+                let exchange = |number: usize| self.cross((problem, family), &searches[number], &bests, descents);
                 searches = in_parallel(searches.len(), self.threads, exchange);
             }
         }
-        in_parallel(searches.len(), self.threads, |number| self.end(problem, &searches[number].best))
-            .into_iter()
-            .flatten()
-            .collect()
+        if descents.is_stopped() {
+            searches.sort_by(|a, b| a.best.merit.total_cmp(&b.best.merit));
+            searches.truncate(1);
+        }
+        let ends = in_parallel(searches.len(), self.threads, |number| {
+            let end = self.end(problem, &searches[number].best);
+            descents.ended(end.as_ref().map(|start| start.value));
+            end
+        });
+        ends.into_iter().flatten().collect()
     }
 
     fn wide(&self) -> Sign {
@@ -100,32 +118,50 @@ impl Searches {
     }
 
     /// Descents from random motions, and from the best motion found, perturbed by random numbers.
-    fn begin(&self, problem: &Problem, number: usize) -> Option<Search> {
+    fn begin(&self, problem: &Problem, number: usize, descents: &Descents<'_>) -> Option<Search> {
         let Beginning { random, kicks } = Beginning::of(&problem.watched);
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(number as u64);
-        let begin = |_| {
-            let (random, first_value) = best_of_random(problem, &mut rng, self.tight())?;
-            DescentEnd::from(problem, random, self.wide(), first_value)
-        };
-        let mut best = (0..random).filter_map(begin).reduce(DescentEnd::or_better)?;
-        for _ in 0..kicks {
-            let kicked = kicked(problem, &best.found.x, &mut rng);
-            if let Some(other) = DescentEnd::from(problem, kicked, self.wide(), best.first_value) {
-                best = best.or_better(other);
+        let mut best: Option<DescentEnd> = None;
+        for descent in 0..random + kicks {
+            // The first search ends one descent whenever it is stopped.
+            if descents.is_stopped() && (best.is_some() || number > 0) {
+                break;
             }
+            let (start, first_value) = match &best {
+                Some(best) if descent >= random => (kicked(problem, &best.found.x, &mut rng), best.first_value),
+                None if descent >= random => return None,
+                Some(_) | None => match best_of_random(problem, &mut rng, self.tight()) {
+                    Some(random) => random,
+                    None => continue,
+                },
+            };
+            let end = DescentEnd::from(problem, start, self.wide(), first_value);
+            descents.ended(end.as_ref().map(|end| end.merit));
+            best = best.into_iter().chain(end).reduce(DescentEnd::or_better);
         }
-        Some(Search { rng, best, children: Vec::new() })
+        Some(Search { rng, best: best?, children: Vec::new() })
     }
 
     /// Descents from combinations of the joints' motions in `bests` and in the search's own.
-    fn cross(&self, problem: &Problem, family: &Sums, search: &Search, bests: &[Vec<f64>]) -> Search {
+    fn cross(
+        &self,
+        (problem, family): (&Problem, &Sums),
+        search: &Search,
+        bests: &[Vec<f64>],
+        descents: &Descents<'_>,
+    ) -> Search {
         let Search { mut rng, mut best, mut children } = search.clone();
         for _ in 0..CHILDREN {
+            if descents.is_stopped() {
+                break;
+            }
             let pool: Vec<Vec<f64>> = bests.iter().chain(&children).cloned().collect();
             let child = crossed(problem, family, &best.found.x, &pool, self.wide(), &mut rng);
             let from = |child| DescentEnd::from(problem, child, self.wide(), best.first_value);
-            if let Some(other) = child.and_then(from) {
+            let other = child.and_then(from);
+            descents.ended(other.as_ref().map(|other| other.merit));
+            if let Some(other) = other {
                 children.push(other.found.x.clone());
                 best = best.or_better(other);
             }

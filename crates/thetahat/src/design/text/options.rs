@@ -31,8 +31,11 @@ impl Default for DesignObjective {
 pub struct MotionOptions {
     /// Fourier series, B-splines or point-to-point moves.
     pub kind: MotionKind,
-    /// Harmonics of the Fourier series: by default one for every 4 s of the motion, from 5 to 15.
+    /// Harmonics of the Fourier series: by default one for every 4 s of a period, from 5 to 15.
     pub harmonics: Option<usize>,
+    /// Times that a motion of Fourier series or splines is repeated in the duration: by default such that a period has at most 60 s, or
+    /// 20 s of splines.
+    pub periods: Option<usize>,
     /// B-splines of each joint, 10 by default.
     pub splines: Option<usize>,
     /// Number of the moves, 12 by default.
@@ -102,6 +105,7 @@ impl Default for MotionOptions {
         Self {
             kind: MotionKind::Fourier,
             harmonics: None,
+            periods: None,
             splines: None,
             moves: None,
             smoothing_s: None,
@@ -117,6 +121,7 @@ impl Default for MotionOptions {
 }
 
 const SECONDS_PER_HARMONIC: f64 = 4.0;
+const SECONDS_PER_SPLINE: f64 = 2.0;
 const FEWEST_HARMONICS: usize = 5;
 /// More take minutes to search.
 const MOST_HARMONICS: usize = 15;
@@ -125,8 +130,18 @@ impl MotionOptions {
     /// As many harmonics as keep the highest frequency of a motion of 20 s: with a fixed number a longer motion is a slower one, and
     /// its intervals are wider.
     pub(in crate::design) fn harmonics(&self, duration_s: f64) -> usize {
-        let of_duration = (duration_s / SECONDS_PER_HARMONIC).round() as usize;
-        self.harmonics.unwrap_or(of_duration.clamp(FEWEST_HARMONICS, MOST_HARMONICS))
+        let of_period = (duration_s / self.periods(duration_s) as f64 / SECONDS_PER_HARMONIC).round() as usize;
+        self.harmonics.unwrap_or(of_period.clamp(FEWEST_HARMONICS, MOST_HARMONICS))
+    }
+
+    /// As many periods as keep the frequencies where harmonics or splines are as many as they are by default or in the file.
+    pub(in crate::design) fn periods(&self, duration_s: f64) -> usize {
+        let seconds_per_function = match self.kind {
+            MotionKind::Fourier => SECONDS_PER_HARMONIC * self.harmonics.unwrap_or(MOST_HARMONICS) as f64,
+            MotionKind::Splines => SECONDS_PER_SPLINE * self.splines() as f64,
+            MotionKind::Moves => f64::INFINITY,
+        };
+        self.periods.unwrap_or((duration_s / seconds_per_function).ceil() as usize).max(1)
     }
 
     pub(in crate::design) fn splines(&self) -> usize {
@@ -203,11 +218,15 @@ pub struct UncertaintyOptions {
     pub draws: usize,
     /// How far each parameter is off, percent.
     pub percent: f64,
+    /// Friction at the velocity limit of a joint whose a-priori friction is zero, percent of its torque limit: half of it Coulomb friction.
+    pub friction_percent: f64,
+    /// Motor inertia of a joint whose a-priori motor inertia is zero, percent of the joint's inertia in the middle posture.
+    pub motor_inertia_percent: f64,
 }
 
 impl Default for UncertaintyOptions {
     fn default() -> Self {
-        Self { draws: 0, percent: 0.0 }
+        Self { draws: 0, percent: 0.0, friction_percent: 30.0, motor_inertia_percent: 50.0 }
     }
 }
 
@@ -237,7 +256,9 @@ mod tests {
     fn harmonics_grow_with_the_duration() {
         let chosen = |duration_s: f64| MotionOptions::default().harmonics(duration_s);
         assert_eq!([4.0, 20.0, 40.0, 60.0, 120.0].map(chosen), [5, 5, 10, 15, 15]);
-        let given = MotionOptions { harmonics: Some(3), ..MotionOptions::default() };
-        assert_eq!(given.harmonics(120.0), 3);
+        let periods = |duration_s: f64| MotionOptions::default().periods(duration_s);
+        assert_eq!([4.0, 20.0, 60.0, 61.0, 120.0].map(periods), [1, 1, 1, 2, 2]);
+        let given = MotionOptions { harmonics: Some(5), ..MotionOptions::default() };
+        assert_eq!([20.0, 40.0, 120.0].map(|s| (given.harmonics(s), given.periods(s))), [(5, 1), (5, 2), (5, 6)]);
     }
 }

@@ -9,7 +9,6 @@ use crate::design::{
 use thetahat_model::{
     base_parameters::{BaseParameter, BaseParameters},
     dynamics::Model,
-    robot::Role,
 };
 use thetahat_report::results::{
     DesignResults, JointResult, PredictedGain, PredictedParameter, PredictedPayload, SearchResult,
@@ -39,13 +38,13 @@ impl Design {
         forecast: Forecast,
     ) -> Result<DesignResults, DesignError> {
         let predicted = self.predicted(model, base, &forecast);
-        let FeasibleMotion { motion, torque, uses, starts, moves, collision, repeated } = chosen;
+        let FeasibleMotion { motion, torque, uses, starts, moves, collision, repeated, stopped_after } = chosen;
         if let Some(file) = self.compared_file().filter(|_| predicted.iter().all(|p| p.compared.is_none())) {
             return Err(DesignError::NothingToCompare { path: self.path.clone(), file });
         }
         let [q, dq, ddq, _] = motion;
         let (skeleton, spectrum) = (self.skeleton(model, &q, collision.as_ref()), self.spectrum(&ddq));
-        let UncertaintyOptions { draws, percent } = self.file.uncertainty;
+        let UncertaintyOptions { draws, percent, friction_percent, motor_inertia_percent } = self.file.uncertainty;
         Ok(DesignResults {
             title: self.file.title.clone(),
             robot: self.robot.name.clone(),
@@ -61,7 +60,9 @@ impl Design {
             spectrum,
             collision,
             repeated,
+            stopped_after,
             payload: self.predicted_payload(forecast.gains),
+            assumed_percent: [friction_percent, motor_inertia_percent],
             uncertainty: (draws > 0).then_some((draws, percent)),
             compared: forecast.compared.map(|c| [c.title, c.method]),
             criterion: self.file.wanted.criterion.name().to_owned(),
@@ -71,8 +72,8 @@ impl Design {
                 .collect(),
             limits: uses,
             rated: self.rated(),
-            without_friction: self.joints_without(|role| matches!(role, Role::ViscousFriction | Role::CoulombFriction)),
-            without_motor_inertia: self.joints_without(|role| role == Role::MotorInertia),
+            without_friction: self.joint_names(self.joints_without_friction()),
+            without_motor_inertia: self.joint_names(self.joints_without_motor_inertia()),
             predicted,
             method: predicted_method(&self.settings).name().to_owned(),
             is_closed_loop: self.settings.controller.is_some(),
@@ -81,16 +82,8 @@ impl Design {
         })
     }
 
-    /// The joints that move of which the a-priori robot has no parameter of a kind, or zero.
-    fn joints_without(&self, is_meant: impl Fn(Role) -> bool) -> Vec<String> {
-        let theta = self.robot.a_priori_parameters();
-        let table = self.robot.parameter_table();
-        let has_any = |joint: usize| {
-            let own = table.iter().zip(&theta).filter(|(p, _)| p.number == joint + 1 && is_meant(p.quantity.role()));
-            own.map(|(_, value)| value.abs()).sum::<f64>() > 0.0
-        };
-        let joints = self.robot.coordinate_joints().into_iter().filter(|joint| !has_any(*joint));
-        joints.map(|joint| self.robot.joints[joint].name.clone()).collect()
+    fn joint_names(&self, joints: Vec<usize>) -> Vec<String> {
+        joints.into_iter().map(|joint| self.robot.joints[joint].name.clone()).collect()
     }
 
     /// The prediction for each parameter.

@@ -97,10 +97,18 @@ impl Design {
     }
 
     fn validate_uncertainty(&self) -> Result<(), DesignError> {
-        let UncertaintyOptions { draws, percent } = self.file.uncertainty;
+        let UncertaintyOptions { draws, percent, friction_percent, motor_inertia_percent } = self.file.uncertainty;
         self.require(draws <= MOST_DRAWS, "[uncertainty] draws", "at most 100", draws)?;
         let expected = "from 0 to below 100";
         self.require((0.0..100.0).contains(&percent), "[uncertainty] percent", expected, percent)?;
+        self.require(
+            (0.0..100.0).contains(&friction_percent),
+            "[uncertainty] friction_percent",
+            expected,
+            friction_percent,
+        )?;
+        let is_inertia = motor_inertia_percent >= 0.0 && motor_inertia_percent.is_finite();
+        self.require(is_inertia, "[uncertainty] motor_inertia_percent", "zero or above", motor_inertia_percent)?;
         let expected = "above zero with [uncertainty] percent, and only with it";
         self.require((draws > 0) == (percent > 0.0), "[uncertainty] draws", expected, draws)
     }

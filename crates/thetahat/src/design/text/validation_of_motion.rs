@@ -10,6 +10,8 @@ use thetahat_model::dynamics::Model;
 /// Most harmonics and starts.
 const MOST_HARMONICS: usize = 50;
 const MOST_STARTS: usize = 1000;
+/// Most repetitions of a motion.
+const MOST_PERIODS: usize = 1000;
 /// Most moves, and the shortest that is of use, in times of its smoothing.
 const MOST_MOVES: usize = 200;
 const LEAST_MOVE: f64 = 8.0;
@@ -46,6 +48,10 @@ impl Design {
             ("sweep_slowest", motion.sweep_slowest.is_some(), MotionKind::Moves),
             ("sweep_s", motion.sweep_s.is_some(), MotionKind::Moves),
         ];
+        let periods = motion.periods.unwrap_or(1);
+        let is_repeatable = motion.periods.is_none() || motion.kind != MotionKind::Moves;
+        self.require(is_repeatable, "[motion] periods", "kind = \"fourier\" or \"splines\" with it", periods)?;
+        self.require((1..=MOST_PERIODS).contains(&periods), "[motion] periods", "from 1 to 1000", periods)?;
         for (key, is_given, kind) in keys {
             let expected = format!("kind = \"{}\" with it", kind.name());
             let found = format!("given with kind = \"{}\"", motion.kind.name());
@@ -57,13 +63,13 @@ impl Design {
     fn validate_harmonics(&self) -> Result<(), DesignError> {
         let harmonics = self.file.motion.harmonics(self.file.duration_s);
         self.require((1..=MOST_HARMONICS).contains(&harmonics), "[motion] harmonics", "from 1 to 50", harmonics)?;
-        self.require_cutoff_above(harmonics as f64 / self.file.duration_s, "the highest harmonic of the motion")
+        self.require_cutoff_above(harmonics as f64 / self.period_s(), "the highest harmonic of the motion")
     }
 
     fn validate_splines(&self) -> Result<(), DesignError> {
         let splines = self.file.motion.splines();
         self.require((2..=2 * MOST_HARMONICS).contains(&splines), "[motion] splines", "from 2 to 100", splines)?;
-        let highest = 0.5 * splines as f64 / self.file.duration_s;
+        let highest = 0.5 * splines as f64 / self.period_s();
         self.require_cutoff_above(highest, "the frequency of splines that change their sides")
     }
 

@@ -1,10 +1,7 @@
 //! What is believed of motors, friction and offsets before the recordings are fitted: their usual sizes.
 
 use super::rows::ModelRows;
-use crate::{
-    preparation::Problem,
-    run::{identification::Identification, mass_diagonal::mass_diagonal},
-};
+use crate::{preparation::Problem, run::identification::Identification};
 use thetahat_ground::linear_algebra::{Matrix, norm};
 use thetahat_model::{
     consistency::{Beliefs, ConsistentSet, stated_links},
@@ -119,7 +116,7 @@ fn motor_inertias(identification: &Identification, set: &ConsistentSet) -> Vec<f
     let robot = identification.setup().robot;
     let mut sizes = vec![1.0; robot.link_count()];
     let q = identification.main.first().map(|p| p.filtered.motion.q.means()).unwrap_or_default();
-    let Some(inertias) = mass_diagonal(&Model::new(robot), set.a_priori(), &q) else { return sizes };
+    let Ok(inertias) = Model::new(robot).joint_inertias(set.a_priori(), &q) else { return sizes };
     for (joint, inertia) in robot.coordinate_joints().iter().zip(inertias).filter(|(_, inertia)| *inertia > 0.0) {
         sizes[*joint] = MOTOR_PART * inertia;
     }

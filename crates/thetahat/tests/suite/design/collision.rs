@@ -19,14 +19,14 @@ fn with_collision(from: &str, to: &str) -> String {
 #[test]
 fn shapes_stay_apart() {
     let design = parse(&with_collision("[250, 0, 0]", "[420, 0, 0]")).unwrap();
-    let results = design.run(2, &mut |_| {}).unwrap();
+    let results = design.run(2).unwrap();
     let collision = results.collision.as_ref().unwrap();
     assert!(collision.pairs.iter().all(|pair| pair.distance >= 0.02), "{collision:?}");
     assert!(collision.pairs[0].distance < 0.03, "{collision:?}");
     assert!(!collision.has_way && collision.uncovered.is_empty());
     let least = collision.least.iter().map(|[_, distance]| *distance).fold(f64::INFINITY, f64::min);
     assert!(collision.least.len() == 4001 && least == collision.pairs[0].distance, "{least}");
-    assert_eq!(design.run(1, &mut |_| {}).unwrap().q, results.q);
+    assert_eq!(design.run(1).unwrap().q, results.q);
 }
 
 #[test]
@@ -50,7 +50,7 @@ fn shapes_that_cannot_be_used_are_named() {
 fn the_way_from_home_is_covered() {
     let text = with_collision("[250, 0, 0]", "[420, 0, 0]");
     let design = parse(&text.replace("margin = 20", "margin = 20\nhome = [0, 0]")).unwrap();
-    let error = design.run(2, &mut |_| {}).unwrap_err();
+    let error = design.run(2).unwrap_err();
     assert!(
         matches!(&error, DesignError::TooNear { second, when, .. } if second == "wall" && when.contains("home")),
         "{error}"
@@ -61,7 +61,7 @@ fn the_way_from_home_is_covered() {
 #[test]
 fn a_pair_that_no_posture_keeps_apart_is_named() {
     let design = parse(&with_collision("[250, 0, 0]", "[-2000, 0, 0]")).unwrap();
-    let error = design.run(2, &mut |_| {}).unwrap_err();
+    let error = design.run(2).unwrap_err();
     let DesignError::NeverApart { first, second, furthest_mm, .. } = error else { panic!("{error}") };
     // The shoulder's capsule reaches at most 300 + 40 mm towards the wall from 2 m behind it, and its nearer end stays there.
     assert_eq!((first.as_str(), second.as_str()), ("shoulder", "wall"));

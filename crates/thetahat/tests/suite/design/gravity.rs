@@ -38,7 +38,7 @@ fn design(duration_s: f64, more: &str, wanted: &str) -> Design {
 }
 
 fn motion_of(design: &Design) -> Motion {
-    let results = design.run(2, &mut |_| {}).unwrap();
+    let results = design.run(2).unwrap();
     Motion { q: results.q, dq: results.dq, ddq: results.ddq }
 }
 

@@ -15,7 +15,7 @@ use super::support::{DESIGN, assert_within_limits, key, moves, parse};
 fn each_criterion_serves_its_own_purpose() {
     let run = |wanted: &str| {
         let text = DESIGN.replace("[motion]", &format!("[wanted]\n{wanted}\n[motion]"));
-        parse(&text).unwrap().run(2, &mut |_| {}).unwrap()
+        parse(&text).unwrap().run(2).unwrap()
     };
     let deviation = |results: &thetahat::results::DesignResults, name: &str| {
         results.predicted.iter().find(|p| p.name == name).map(|p| p.standard_deviation).unwrap()
@@ -50,7 +50,7 @@ fn each_criterion_serves_its_own_purpose() {
 fn splines_hold_their_limits_and_rest_at_both_ends() {
     let text = DESIGN.replace("harmonics = 3", "kind = 'splines'\nsplines = 8");
     let design = parse(&text.replace("[noise]", "jerk = 60000\n[noise]")).unwrap();
-    let results = design.run(2, &mut |_| {}).unwrap();
+    let results = design.run(2).unwrap();
     assert_within_limits(&results);
     let last = results.q.len() - 1;
     for series in [&results.dq, &results.ddq] {
@@ -70,7 +70,7 @@ fn splines_hold_their_limits_and_rest_at_both_ends() {
 fn moves_hold_their_limits_and_end_where_they_start() {
     for jerk in ["", "jerk = 60000"] {
         let design = parse(&moves(jerk)).unwrap();
-        let results = design.run(2, &mut |_| {}).unwrap();
+        let results = design.run(2).unwrap();
         assert_within_limits(&results);
         assert!(results.limits.iter().any(|l| l.part > 0.9), "{:?}", results.limits);
         let moves = results.moves.as_ref().unwrap();
@@ -79,14 +79,14 @@ fn moves_hold_their_limits_and_end_where_they_start() {
         let last = results.q.len() - 1;
         assert!(results.q.sample(0).iter().zip(results.q.sample(last)).all(|(a, b)| (a - b).abs() < 1e-12));
         assert!(results.starts.iter().all(|s| s.found < s.first - 1.0), "{:?}", results.starts);
-        assert_eq!(design.run(1, &mut |_| {}).unwrap().q, results.q);
+        assert_eq!(design.run(1).unwrap().q, results.q);
     }
 }
 
 #[test]
 fn files_are_written_and_name_the_robot() {
     let (design, folder) = (parse(DESIGN).unwrap(), Folder::new());
-    let results = design.run(2, &mut |_| {}).unwrap();
+    let results = design.run(2).unwrap();
     let files = thetahat_report::report::write_design(&results, folder.path()).unwrap();
     assert_eq!(files.len(), thetahat_report::report::DESIGN_FILES.len());
     let trajectory = std::fs::read_to_string(folder.path().join("trajectory.csv")).unwrap();
@@ -108,7 +108,7 @@ fn files_are_written_and_name_the_robot() {
 fn percentages_are_of_rated_values() {
     let percents = |rated: &str| -> Vec<f64> {
         let (design, folder) = (parse(&(moves("") + rated)).unwrap(), Folder::new());
-        thetahat_report::report::write_design(&design.run(2, &mut |_| {}).unwrap(), folder.path()).unwrap();
+        thetahat_report::report::write_design(&design.run(2).unwrap(), folder.path()).unwrap();
         let text = std::fs::read_to_string(folder.path().join("moves.src")).unwrap();
         let percent = |line: &str| line.trim().strip_prefix("BAS(#VEL_PTP, ")?.trim_end_matches(')').parse().ok();
         text.lines().filter_map(percent).skip(1).collect()
@@ -123,7 +123,7 @@ fn percentages_are_of_rated_values() {
 /// What the prediction is of, and what is not checked, is said and written.
 #[test]
 fn a_design_says_what_it_does_not_check() {
-    let results = parse(DESIGN).unwrap().run(2, &mut |_| {}).unwrap();
+    let results = parse(DESIGN).unwrap().run(2).unwrap();
     assert!(results.experiment.settings.contains("idim-iv = \"per-joint\""), "{}", results.experiment.settings);
     let shown = thetahat_report::report::design_text(&results, thetahat_report::report::TextWidth::default());
     assert!(shown.contains("Not checked: whether the robot touches"), "{shown}");
@@ -134,7 +134,7 @@ fn a_design_says_what_it_does_not_check() {
 #[test]
 fn moves_are_written_for_controllers() {
     let (design, folder) = (parse(&moves("")).unwrap(), Folder::new());
-    let results = design.run(2, &mut |_| {}).unwrap();
+    let results = design.run(2).unwrap();
     let files = thetahat_report::report::write_design(&results, folder.path()).unwrap();
     assert_eq!(files.len(), thetahat_report::report::DESIGN_FILES.len() + thetahat_report::report::MOVE_FILES.len());
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();

@@ -22,7 +22,7 @@ fn with_payload() -> String {
 #[test]
 fn a_payload_is_in_the_torques_and_not_in_the_intervals() {
     let design = parse(&with_payload()).unwrap();
-    let results = design.run(2, &mut |_| {}).unwrap();
+    let results = design.run(2).unwrap();
     assert_within_limits(&results);
     let mut text = std::fs::read_to_string(project("robots/two_joint.toml")).unwrap();
     for (own, loaded) in [
@@ -67,7 +67,7 @@ fn a_payload_is_in_the_torques_and_not_in_the_intervals() {
 #[test]
 fn gains_are_predicted_as_pairs_of_records_tell_them() {
     let design = parse(&with_payload()).unwrap();
-    let results = design.run(2, &mut |_| {}).unwrap();
+    let results = design.run(2).unwrap();
     let unloaded = torques(&design.robot, &results);
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let mut noisy = |tau: &Series| {

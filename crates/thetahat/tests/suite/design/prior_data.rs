@@ -20,7 +20,7 @@ fn recordings_at_hand_are_known_before() {
     reduction.write(&folder.path().join("a.reduction")).unwrap();
     let text = with_controller().replace("[motion]", "prior = ['a.reduction']\n[motion]");
     let design = Design::parse(&text, &folder.path().join("design.toml")).unwrap();
-    let both = design.run(2, &mut |_| {}).unwrap();
+    let both = design.run(2).unwrap();
     // Twice the information in each of 13 directions is 13 log 2 = 9 nats; another motion adds more to what is known.
     let gain = alone.starts[0].found - both.starts[0].found;
     assert!((8.0..20.0).contains(&gain), "{gain}");
@@ -28,13 +28,13 @@ fn recordings_at_hand_are_known_before() {
     let repeated = both.repeated.unwrap();
     assert!(both.starts[0].found < repeated + 1.0, "{} {repeated}", both.starts[0].found);
     let other = Design::parse(&text.replace("[signal]", "[parameters]\nexclude = ['off1']\n[signal]"), &design.path);
-    assert!(matches!(other.unwrap().run(1, &mut |_| {}), Err(DesignError::OtherRobot { .. })));
+    assert!(matches!(other.unwrap().run(1), Err(DesignError::OtherRobot { .. })));
     // The same names with another length between the axes.
     let longer = std::fs::read_to_string(project("robots/two_joint.toml")).unwrap();
     assert!(longer.contains("a_m = 0.4"));
     folder.write("longer.toml", longer.replace("a_m = 0.4", "a_m = 0.8"));
     let other = Design::parse(&text.replace("two_joint.toml", "longer.toml"), &design.path);
-    assert!(matches!(other.unwrap().run(1, &mut |_| {}), Err(DesignError::OtherRobot { .. })));
+    assert!(matches!(other.unwrap().run(1), Err(DesignError::OtherRobot { .. })));
 }
 
 /// Results of an identification stand beside what is predicted, and those of nothing like it are refused.
@@ -47,7 +47,7 @@ fn results_at_hand_are_compared_with() {
     folder.write("results.json", results.to_json().unwrap());
     let text = with_controller().replace("[motion]", "compare = 'results.json'\n[motion]");
     let design = Design::parse(&text, &folder.path().join("design.toml")).unwrap();
-    let both = design.run(2, &mut |_| {}).unwrap();
+    let both = design.run(2).unwrap();
     // The record is of the same motion and noise: its intervals are those that were predicted, but for their own scatter.
     let times: Vec<f64> = both.predicted.iter().filter_map(|p| p.times_smaller()).collect();
     assert_eq!(times.len(), both.predicted.len());
@@ -57,7 +57,7 @@ fn results_at_hand_are_compared_with() {
     assert!(text.contains("times as narrow"), "{text}");
     // The residual of that record is the noise of the design: a design with it predicts the same.
     let with_noise = |file: &str| with_controller().replace("torque = 0.1", &format!("results = '{file}'"));
-    let from_residual = Design::parse(&with_noise("results.json"), &design.path).unwrap().run(2, &mut |_| {}).unwrap();
+    let from_residual = Design::parse(&with_noise("results.json"), &design.path).unwrap().run(2).unwrap();
     let ratio = |(a, b): (&PredictedParameter, &PredictedParameter)| (a.half_width_95 / b.half_width_95).ln();
     let mean =
         from_residual.predicted.iter().zip(&alone.predicted).map(ratio).sum::<f64>() / alone.predicted.len() as f64;
@@ -67,7 +67,7 @@ fn results_at_hand_are_compared_with() {
     let error = Design::parse(&with_noise("joints.json"), &design.path).unwrap_err();
     assert!(matches!(&error, DesignError::NoNoise { .. }) && error.to_string().contains("joints.json"), "{error}");
     let other = with_controller().replace("[motion]", "compare = 'nowhere.json'\n[motion]");
-    let error = Design::parse(&other, &design.path).unwrap().run(1, &mut |_| {}).unwrap_err();
+    let error = Design::parse(&other, &design.path).unwrap().run(1).unwrap_err();
     assert!(matches!(&error, DesignError::Results(_)) && error.to_string().contains("nowhere.json"), "{error}");
 }
 
@@ -82,10 +82,10 @@ fn an_experiment_at_hand_is_compared_with() {
         let text = with_controller().replace("[motion]", &format!("compare = '{file}'\n[motion]"));
         Design::parse(&text, &design.path).unwrap()
     };
-    let of_results = with("results.json").run(2, &mut |_| {}).unwrap();
+    let of_results = with("results.json").run(2).unwrap();
     let of_experiment = with("out/rehearsal.toml");
     assert!(of_experiment.input_files().iter().any(|file| file.ends_with("out/trajectory.csv")));
-    let of_experiment = of_experiment.run(2, &mut |_| {}).unwrap();
+    let of_experiment = of_experiment.run(2).unwrap();
     assert_eq!(of_experiment.compared, of_results.compared);
     for (a, b) in of_experiment.predicted.iter().zip(&of_results.predicted) {
         assert!(a.compared.is_some() && a.times_smaller() == b.times_smaller(), "{}", a.name);
@@ -94,6 +94,6 @@ fn an_experiment_at_hand_is_compared_with() {
     thetahat_report::report::write_design(&of_experiment, &out).unwrap();
     let page = std::fs::read_to_string(out.join("design.html")).unwrap();
     assert!(page.contains("predicted interval") && page.contains("of two joints"), "the legend of both");
-    let error = with("nowhere.toml").run(1, &mut |_| {}).unwrap_err();
+    let error = with("nowhere.toml").run(1).unwrap_err();
     assert!(matches!(&error, DesignError::Experiment(_)) && error.to_string().contains("nowhere.toml"), "{error}");
 }

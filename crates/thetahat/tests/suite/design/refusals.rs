@@ -58,7 +58,7 @@ fn what_is_no_design_is_refused_with_its_line() {
     assert!(matches!(Design::read(Path::new("nowhere.toml")), Err(DesignError::Unreadable { .. })));
     let error =
         parse(&DESIGN.replace("starts = 2", "starts = 2\n[wanted]\ncriterion = 'chosen'\nparameters = ['zz9']"));
-    assert!(matches!(error.unwrap().run(1, &mut |_| {}), Err(DesignError::BaseParameters { .. })));
+    assert!(matches!(error.unwrap().run(1), Err(DesignError::BaseParameters { .. })));
 }
 
 /// What the identification of the record could not do is refused before the search.

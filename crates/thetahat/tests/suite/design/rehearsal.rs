@@ -60,7 +60,7 @@ fn a_rehearsal_has_its_truth_at_any_sample_time() {
 #[test]
 fn what_stays_unknown_has_a_remedy() {
     let design = parse(&DESIGN.replace("torque = 0.1", "torque = 40")).unwrap();
-    let results = design.run(2, &mut |_| {}).unwrap();
+    let results = design.run(2).unwrap();
     let is_unknown = |p: &&PredictedParameter| p.a_priori != 0.0 && p.half_width_95 >= p.a_priori.abs();
     let unknown: Vec<&PredictedParameter> = results.predicted.iter().filter(is_unknown).collect();
     let times: Vec<f64> = results.predicted.iter().filter_map(|p| p.narrower_by_own_motion).collect();

@@ -85,7 +85,7 @@ pub fn with_controller() -> String {
 pub fn rehearsal(folder: &Folder, text: &str) -> (Design, thetahat::results::DesignResults, Experiment) {
     folder.write("two_joint.toml", std::fs::read(project("robots/two_joint.toml")).unwrap());
     let design = Design::parse(text, &folder.path().join("design.toml")).unwrap();
-    let results = design.run(2, &mut |_| {}).unwrap();
+    let results = design.run(2).unwrap();
     let out = folder.path().join("out");
     thetahat_report::report::write_design(&results, &out).unwrap();
     let experiment = Experiment::read(&out.join("rehearsal.toml"), Path::new("")).unwrap();

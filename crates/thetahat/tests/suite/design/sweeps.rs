@@ -20,7 +20,7 @@ fn sweeps_keep_their_velocities() {
         DESIGN.replace("harmonics = 3", &format!("{kind}{more}")).replace("duration_s = 4", "duration_s = 16")
     };
     let design = parse(&text("\nsweeps = 3\nsweep_s = 0.8\nrest_s = 0.02")).unwrap();
-    let results = design.run(2, &mut |_| {}).unwrap();
+    let results = design.run(2).unwrap();
     assert_within_limits(&results);
     let moves = results.moves.as_ref().unwrap();
     assert_eq!(moves.moves().len(), 6 + 2 * 2 * 3);
@@ -46,7 +46,7 @@ fn sweeps_keep_their_velocities() {
     }
     let last = results.q.len() - 1;
     assert!(results.q.sample(last).iter().zip([0.0, 20f64.to_radians()]).all(|(a, b)| (a - b).abs() < 1e-9));
-    assert_eq!(design.run(1, &mut |_| {}).unwrap().q, results.q);
+    assert_eq!(design.run(1).unwrap().q, results.q);
     // The criterion counts the sweeps as the record will: all samples at which a joint moves.
     let model = Model::new(&design.robot);
     let base = BaseParameters::of(&model, &[]).unwrap();
@@ -97,7 +97,7 @@ fn beside_a_wall(start: &str, torque: &str) -> String {
 #[test]
 fn a_sweep_ends_before_a_wall() {
     let design = parse(&beside_a_wall("[-85, 0]", "[60, 25]")).unwrap();
-    let results = design.run(2, &mut |_| {}).unwrap();
+    let results = design.run(2).unwrap();
     assert_within_limits(&results);
     let ends: Vec<f64> = results.moves.as_ref().unwrap().moves()[6..10].iter().map(|m| m.end[0].to_degrees()).collect();
     let farthest = ends.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -114,7 +114,7 @@ fn sweeps_without_room_are_named() {
     let named = matches!(&*error, DesignError::NoRoomToSweep { joint, pair, .. } if joint == "shoulder" && pair == "elbow and wall");
     assert!(named && error.to_string().contains("from 0.0000 to 0.0000 degrees"), "{error}");
     // The elbow carries its forearm of 2.9 N m while the shoulder speeds up.
-    let error = parse(&beside_a_wall("[-85, 0]", "[60, 2.5]")).unwrap().run(1, &mut |_| {}).unwrap_err();
+    let error = parse(&beside_a_wall("[-85, 0]", "[60, 2.5]")).unwrap().run(1).unwrap_err();
     let DesignError::Infeasible { joint, place, needed, .. } = &error else { panic!("{error}") };
     assert!(joint == "elbow" && needed.abs() > 2.5, "{error}");
     assert!(place.starts_with("in the sweep of shoulder at -") && place.ends_with("degrees"), "{error}");

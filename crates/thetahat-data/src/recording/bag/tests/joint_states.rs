@@ -193,9 +193,19 @@ fn message_that_is_not_a_blob() {
 #[test]
 fn bag_that_was_not_closed() {
     let (_folder, path) = db3(&on_topic(arm()));
-    fs::write(path.with_file_name("bag #1.db3-wal"), b"log").unwrap();
-    let error = channels(&path, Format::Db3, None, &["elbow.position".to_owned()]).unwrap_err();
-    assert!(matches!(error, RecordingError::Bag { problem, .. } if *problem == BagError::NotClosed));
+    let refused = |ending: &str| {
+        let error = channels(&path, Format::Db3, None, &["elbow.position".to_owned()]).unwrap_err();
+        matches!(error, RecordingError::Bag { problem, .. } if matches!(*problem, BagError::NotClosed { ending: e } if e == ending))
+    };
+    let second = |ending: &str| path.with_file_name(format!("bag #1.db3{ending}"));
+    fs::write(second("-wal"), b"log").unwrap();
+    assert!(refused("-wal"));
+    fs::remove_file(second("-wal")).unwrap();
+    fs::write(second("-journal"), b"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7 pages").unwrap();
+    assert!(refused("-journal"));
+    // As SQLite leaves the journal of a finished transaction where it keeps the file.
+    fs::write(second("-journal"), [0; 512]).unwrap();
+    channels(&path, Format::Db3, None, &["elbow.position".to_owned()]).unwrap();
 }
 
 #[test]
