@@ -8,6 +8,7 @@ use super::{
     estimation_data::EstimationData,
     identification::{Identification, explain},
     linear::Linear,
+    links_of_description::allow_for_links,
     parameters::{covariance_of, loop_parameter_results, parameter_results, without_deviations_of_sums},
     physical::Examined,
     prepared::filtered,
@@ -18,7 +19,7 @@ use super::{
 };
 use crate::{
     diagnosis::{MethodEstimate, residual},
-    preparation::{Case, NamedChoice, ParameterChoice, PreparationError},
+    preparation::{Case, PreparationError},
     scheduling::{EstimationJob, Finished},
 };
 use thetahat_estimation::{
@@ -61,9 +62,9 @@ impl Assessment<'_> {
             if method.response() == Response::Position {
                 let deviation = simulator.as_ref().zip(motions.as_ref()).map(|(s, m)| s.deviation_of_positions(m));
                 run.notes.extend(deviation.map(|rms| note_of_positions(rms, "those recorded")));
-                run.notes.extend(self.note_of_links());
             }
             if let Some(identification) = self.data.samples() {
+                allow_for_links(identification, &mut run);
                 run.plots = self.plots(identification, fit, motions.as_deref().unwrap_or_default());
             }
             let setup = self.data.setup();
@@ -82,16 +83,6 @@ impl Assessment<'_> {
             }
         }
         Ok((run, MethodEstimate { method: *method, regression: regression.clone(), outcome }))
-    }
-
-    /// What a run takes from the description, where only the drives are estimated.
-    fn note_of_links(&self) -> Option<String> {
-        let choice = &self.data.setup().settings.parameters.estimate;
-        (*choice == ParameterChoice::Named(NamedChoice::Drives)).then(|| {
-            "the links are as the robot's description has them; motor inertia, friction and offset are estimated, and carry what is wrong \
-             in the description"
-                .to_owned()
-        })
     }
 
     /// The predicted torque: of the measured motion where the response that is fitted is another.

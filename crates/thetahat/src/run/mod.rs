@@ -24,6 +24,7 @@ mod examination;
 mod hidden_bias;
 mod identification;
 mod linear;
+mod links_of_description;
 mod model;
 mod parameters;
 mod payload;

@@ -76,7 +76,7 @@ impl ProposedControl {
     fn what_is_estimated(&self) -> &'static str {
         if self.trusts_links {
             "\n# The log has no measured torque: CLOE fits the positions of the closed loop. It estimates motor inertia, friction and \
-             offset of each\n# joint, in the unit of the gains; masses, centres and inertias of the links are those of the description. To \
+             offset of each\n# joint, in the unit of the gains; masses, centres and inertias of the links are those of the description,\n# and intervals allow for a tenth of them. To \
              estimate what the\n# motion shows of the links, too, take this table out.\n[parameters]\nestimate = \"drives\"\n\n"
         } else {
             "\n# The log has no measured torque: CLOE fits the positions of the closed loop. It estimates motor inertia, friction, \
