@@ -24,6 +24,10 @@ _NYQUIST = 0.4
 
 _WIDER = 2.0
 """Factor of the cut-off where the motion jumps."""
+_PERIODS = 3.0
+"""Periods of the cut-off by which a motion is continued at its ends."""
+_FEWEST = 8
+"""Samples by which it is continued at least."""
 _JUMP = 6.0
 """Standard deviations of the difference of both accelerations beyond which a motion jumps."""
 
@@ -65,6 +69,22 @@ def _filtered(position: Array, rate_hz: float, cutoff_hz: float) -> Motion:
 
 def _of_joint(position: Array, rate_hz: float, cutoff_hz: float) -> list[Array]:
     """Position, velocity and acceleration of a joint, with a wider filter around jumps."""
+    samples = min(max(round(_PERIODS * rate_hz / cutoff_hz), _FEWEST), len(position))
+    motion = _of_longer(_continued(position, samples), rate_hz, cutoff_hz)
+    return [array[samples : len(array) - samples] for array in motion]
+
+
+def _continued(position: Array, samples: int) -> Array:
+    """A position that goes on at both ends as the cubic through its last samples: filters reflect it there."""
+    time = np.linspace(-1.0, 1.0, samples)
+    later = 1.0 + (time[1] - time[0]) * np.arange(1, samples + 1) if samples > 1 else np.ones(1)
+    powers = min(3, samples - 1)
+    fits = (np.polynomial.polynomial.polyfit(time, end, powers) for end in (position[:samples][::-1], position[-samples:]))
+    ends = [np.polynomial.polynomial.polyval(later, fit) for fit in fits]
+    return np.concatenate([ends[0][::-1], position, ends[1]])
+
+
+def _of_longer(position: Array, rate_hz: float, cutoff_hz: float) -> list[Array]:
     narrow = band_pass(position, rate_hz, cutoff_hz)
     wide = band_pass(position, rate_hz, min(_WIDER * cutoff_hz, _NYQUIST * rate_hz))
     difference = np.abs(wide.acceleration - narrow.acceleration)[:, 0]

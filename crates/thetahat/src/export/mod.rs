@@ -40,6 +40,7 @@ mod represented;
 mod samples;
 mod sdf;
 mod sdf_read;
+mod servos;
 mod sidecar;
 mod split;
 mod spread;

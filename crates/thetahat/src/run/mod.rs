@@ -18,6 +18,7 @@
 mod assessment;
 mod bandwidth;
 mod cases;
+mod continued;
 mod curves;
 mod estimation_data;
 mod examination;

@@ -2,6 +2,7 @@
 
 use std::{f64::consts::TAU, sync::Arc};
 
+use super::continued::continued;
 use crate::preparation::{
     Basis, Case, FilteredRecording, Mask, NamedMask, PreparationError, Recording, Settings, Setup, SignalOptions,
 };
@@ -100,6 +101,9 @@ fn joint_errors(has_torque: bool, rows: &Regression, prediction: &[f64]) -> Vec<
     if has_torque { rows.joint_relative_errors_percent(prediction) } else { Vec::new() }
 }
 
+/// Periods of the identification's cut-off by which a motion is continued at its ends, and the fewest samples.
+const PERIODS: f64 = 3.0;
+const FEWEST_SAMPLES: usize = 8;
 /// Cut-offs that a prediction tries, over that of the identification, the widest first.
 const WIDER: [f64; 3] = [8.0, 4.0, 2.0];
 /// Part of the sample rate below which cut-offs are tried.
@@ -183,7 +187,12 @@ impl Predictor<'_> {
         let recording = &filtered.recording;
         let settings = with_cutoff(self.setup.settings, cutoff_hz);
         let setup = Setup { settings: &settings, ..self.setup };
-        let Motion { q, dq, ddq } = setup.band_pass(&recording.position, recording.sample_rate_hz)?;
+        let rate_hz = recording.sample_rate_hz;
+        let samples = (PERIODS * rate_hz / self.setup.settings.signal.cutoff_hz) as usize;
+        let longer = continued(&recording.position, samples.max(FEWEST_SAMPLES));
+        let Motion { q, dq, ddq } = setup.band_pass(&longer, rate_hz)?;
+        let more = (longer.len() - recording.position.len()) / 2;
+        let [q, dq, ddq] = [q, dq, ddq].map(|series| series.window(more..longer.len() - more));
         let regressor = Regressor::new(&self.basis.model, &self.columns).with_channels(filtered.channels.clone());
         Ok(regressor.torques(&self.basis.model, [&q, &dq, &ddq], self.sign, &self.theta))
     }
