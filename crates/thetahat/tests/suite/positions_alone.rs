@@ -1,8 +1,20 @@
 //! Twelve servos that log positions and commands and no torques: `experiments/quadruped_positions.toml`.
 
-use thetahat::{Experiment, Method, Results, identification::Status, preparation::LoopParameter, results::RunResult};
+use std::path::Path;
+
+use thetahat::{
+    Experiment, Method, Results,
+    experiment::EstimateRequest,
+    export::{ExportFormat, IdentifiedModel},
+    identification::Status,
+    preparation::LoopParameter,
+    results::RunResult,
+};
 use thetahat_report::report;
 use thetahat_testing::root;
+
+/// Of the experiment's controller, N m/rad.
+const POSITION_GAIN: f64 = 60.0;
 
 fn all(change: impl Fn(&mut Experiment)) -> Results {
     let path = root().join("experiments/quadruped_positions.toml");
@@ -32,8 +44,26 @@ fn inertias_frictions_gain_and_delay_are_found_with_intervals_that_hold_the_trut
     println!("{inside} of {} intervals hold the truth", run.parameters.len());
     // 95 % of 108, less three deviations.
     assert!(inside as f64 >= 0.95 * 108.0 - 3.0 * (108.0_f64 * 0.95 * 0.05).sqrt());
+    has_its_servos(&results, gain.estimate);
     let of_positions = |note: &String| note.starts_with("the simulated positions are");
     assert!(run.notes.iter().all(of_positions), "{:?}", run.notes);
+}
+
+/// A new MJCF has a servo for each joint, with the gains of the experiment times the factor that was found.
+fn has_its_servos(results: &Results, factor: f64) {
+    let request = EstimateRequest { method: Some(Method::CLOE), untrusted: true, ..EstimateRequest::default() };
+    let model = IdentifiedModel::of_results(Path::new("results.json"), results, &request).unwrap();
+    let text = model.export(ExportFormat::Mjcf).unwrap().text;
+    assert_eq!(text.matches("<general ").count(), 12, "{text}");
+    let number = |text: &str, key: &str| {
+        let value = text.split_once(key).unwrap().1.split(['"', ' ']).next().unwrap();
+        value.parse::<f64>().unwrap()
+    };
+    let kp = number(&text, "gainprm=\"");
+    assert!((kp / (POSITION_GAIN * factor) - 1.0).abs() < 1e-9, "{kp}");
+    assert_eq!(number(&text, "biasprm=\"0 "), -kp);
+    assert!(text.contains("the actuators have no delay: apply commands"), "{text}");
+    assert!(!model.export(ExportFormat::Urdf).unwrap().text.contains("actuator"));
 }
 
 /// With both gains free all torques may grow alike: what cannot be told apart is named.
