@@ -87,7 +87,7 @@ fn begun<T>(folder: &Path, name: &str, make: impl Fn(&Builder<'_, '_>, &Path) ->
     let locked = File::open(folder).and_then(|folder| folder.lock().map(|()| folder));
     let prefix = format!(".{name}.");
     if locked.is_ok() {
-        remove_abandoned(folder, &prefix)?;
+        remove_abandoned(folder, &prefix);
     }
     make(Builder::new().prefix(&prefix).suffix(&format!(".{TEMPORARY}")), folder)
 }
@@ -97,8 +97,9 @@ fn lock(file: &File) {
     let _ = file.try_lock();
 }
 
-fn remove_abandoned(folder: &Path, prefix: &str) -> io::Result<()> {
-    for path in fs::read_dir(folder)?.filter_map(|entry| Some(entry.ok()?.path())) {
+/// A folder that cannot be listed is written into all the same.
+fn remove_abandoned(folder: &Path, prefix: &str) {
+    for path in fs::read_dir(folder).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path())) {
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let is_unfinished = name.starts_with(prefix) && path.extension().is_some_and(|e| e == TEMPORARY);
         if is_unfinished && !path.is_symlink() && is_abandoned(&path) {
@@ -106,7 +107,6 @@ fn remove_abandoned(folder: &Path, prefix: &str) -> io::Result<()> {
             let _ = if path.is_dir() { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
         }
     }
-    Ok(())
 }
 
 fn is_abandoned(path: &Path) -> bool {
