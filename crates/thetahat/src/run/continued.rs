@@ -11,9 +11,10 @@ use thetahat_ground::{
 /// Numbers of the polynomial with which a motion continues: up to the third power.
 const NUMBERS: usize = 4;
 
-/// A series continued at both ends by as many samples as each polynomial is fitted to; as it is where it is shorter.
+/// A series continued at both ends by as many samples as each polynomial is fitted to: twice its numbers at least. A shorter series stays.
 pub(super) fn continued(series: &Series, samples: usize) -> Series {
-    if samples < 2 * NUMBERS || series.len() < samples {
+    let samples = samples.max(2 * NUMBERS);
+    if series.len() < samples {
         return series.clone();
     }
     // Time runs from -1 to 1 over the fitted samples, and to 3 after them.

@@ -8,7 +8,8 @@ use thetahat_model::{
 };
 use thetahat_report::results::RunResult;
 
-/// How well a description gives the inertia and the weight at a joint: half of a 95 % interval, as a part of them.
+/// How well a description gives the inertia and the weight at a joint: half of a 95 % interval, as a part of them. A choice, which the
+/// run's notes state: no data of the run says it.
 const KNOWN_TO: f64 = 0.1;
 
 /// Widens the intervals of motor inertias and offsets by what links that are a tenth off would add to them, and says so.

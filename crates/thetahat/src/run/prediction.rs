@@ -101,9 +101,8 @@ fn joint_errors(has_torque: bool, rows: &Regression, prediction: &[f64]) -> Vec<
     if has_torque { rows.joint_relative_errors_percent(prediction) } else { Vec::new() }
 }
 
-/// Periods of the identification's cut-off by which a motion is continued at its ends, and the fewest samples.
+/// Periods of the identification's cut-off by which a motion is continued at its ends: the filter has settled where it begins.
 const PERIODS: f64 = 3.0;
-const FEWEST_SAMPLES: usize = 8;
 /// Cut-offs that a prediction tries, over that of the identification, the widest first.
 const WIDER: [f64; 3] = [8.0, 4.0, 2.0];
 /// Part of the sample rate below which cut-offs are tried.
@@ -189,7 +188,7 @@ impl Predictor<'_> {
         let setup = Setup { settings: &settings, ..self.setup };
         let rate_hz = recording.sample_rate_hz;
         let samples = (PERIODS * rate_hz / self.setup.settings.signal.cutoff_hz) as usize;
-        let longer = continued(&recording.position, samples.max(FEWEST_SAMPLES));
+        let longer = continued(&recording.position, samples);
         let Motion { q, dq, ddq } = setup.band_pass(&longer, rate_hz)?;
         let more = (longer.len() - recording.position.len()) / 2;
         let [q, dq, ddq] = [q, dq, ddq].map(|series| series.window(more..longer.len() - more));

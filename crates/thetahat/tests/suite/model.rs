@@ -177,6 +177,38 @@ fn the_model_is_exported_as_it_is_and_samples_keep_what_is_given() {
     exported.covariance_json().unwrap();
 }
 
+/// Predicted torques of parts of a motion that begin and end while the robot moves: at their ends near the measured ones as well, where a
+/// filter that reflects the motion was off by many times the torque.
+#[test]
+fn a_prediction_holds_to_the_ends_of_a_motion_that_does_not_rest_there() {
+    let Experiment { robot, settings, .. } = experiment();
+    let whole = recording();
+    let identification = Identification::new(&robot, vec![whole.clone()], settings).unwrap();
+    let results = identification.run().unwrap();
+    let identified =
+        IdentifiedRobot::of_identification(&identification, &results, &EstimateRequest::default()).unwrap();
+    let torque = whole.torque.as_ref().unwrap();
+    let (part, end) = (whole.position.len() / 2, whole.position.len() / 200);
+    // Squared errors and torques at the ends of the parts, and between them.
+    let mut sums = [[0.0; 2]; 2];
+    for start in (0..part).step_by(part / 20) {
+        let range = start..start + part;
+        let measured = torque.window(range.clone());
+        let position = whole.position.window(range);
+        let predicted = identified.predict(Recording::new(whole.sample_rate_hz, position, measured.clone())).unwrap();
+        for k in 0..part {
+            let sum = &mut sums[usize::from((end..part - end).contains(&k))];
+            for (found, tau) in predicted.torque.sample(k).iter().zip(measured.sample(k)) {
+                sum[0] += (found - tau).powi(2);
+                sum[1] += tau * tau;
+            }
+        }
+    }
+    let [ends, between] = sums.map(|[error, torque]| 100.0 * (error / torque).sqrt());
+    println!("{ends} % at the ends, {between} % between them");
+    assert!(ends < 3.0 * between, "{ends} % at the ends, {between} % between them");
+}
+
 /// Friction in proportion to the load, which the description has not: the model has a term for it, and predictions use it.
 #[test]
 fn friction_that_the_description_lacks_is_a_term_of_the_model() {

@@ -12,11 +12,10 @@ use crate::{
 };
 use thetahat_ground::{linear_algebra::norm, series::Series};
 
-/// Noise of the rows' acceleration by the position's steps, percent of the acceleration's rms. The clean recordings have at most
-/// 0.04.
+/// Noise of the rows' acceleration by the position's steps, percent of the acceleration's rms. A part r of noise in a column takes the
+/// part r^2 off its estimate: 0.04 % here.
 const STEP_LIMIT_PERCENT: f64 = 2.0;
-/// Noise of the rows' acceleration by white noise of the position, percent of the acceleration's rms. The clean recordings have at
-/// most 0.06.
+/// Noise of the rows' acceleration by white noise of the position, percent of the acceleration's rms: 0.16 % of an estimate.
 const NOISE_LIMIT_PERCENT: f64 = 4.0;
 /// A sensible cut-off, relative to the band of the decimated rows: 5 times the dynamics' bandwidth if the rows keep twice it.
 const BANDS: f64 = 2.5;

@@ -131,39 +131,33 @@ fn largest_torque(results: &DesignResults) -> Option<f64> {
 const LONGEST_S: f64 = 3600.0;
 
 /// Recording time until the intervals exclude zero, with this motion and with one designed for such parameters alone.
-fn remedy(results: &DesignResults) -> Option<String> {
+fn remedy(results: &DesignResults) -> Vec<String> {
     let duration_s = duration_s(results);
     let one = |p: &PredictedParameter| {
         let times = p.narrower_by_own_motion?;
         let seconds = duration_s * (p.half_width_95 / p.a_priori).powi(2);
-        Some((p.name.clone(), [seconds, seconds / times.powi(2)]))
+        let [this, own] = [seconds, seconds / times.powi(2)].map(recording_time);
+        let is_soon = seconds.min(seconds / times.powi(2)) <= LONGEST_S;
+        Some((is_soon, p.name.clone(), format!("{} after {this} of this motion or {own} of its own", p.name)))
     };
-    let all: Vec<(String, [f64; 2])> = results.predicted.iter().filter_map(one).collect();
-    let is_soon = |(_, [seconds, own]): &&(String, [f64; 2])| seconds.min(*own) <= LONGEST_S;
-    let time = |seconds: f64| {
-        if seconds <= LONGEST_S { format!("{} s", significant(seconds, 2)) } else { "more than an hour".to_owned() }
-    };
-    let soon = all.iter().filter(is_soon).map(|(name, [seconds, own])| {
-        format!("{name} after {} of this motion or {} of its own", time(*seconds), time(*own))
-    });
-    let soon: Vec<String> = soon.collect();
-    let never: Vec<&str> = all.iter().filter(|one| !is_soon(one)).map(|(name, _)| name.as_str()).collect();
-    let never = if never.is_empty() {
-        String::new()
-    } else {
-        format!(" No motion within these limits shows {} in an hour.", never.join(", "))
-    };
-    let soon = if soon.is_empty() {
-        String::new()
-    } else {
+    let (soon, late): (Vec<_>, Vec<_>) = results.predicted.iter().filter_map(one).partition(|(is_soon, ..)| *is_soon);
+    let times: Vec<String> = soon.into_iter().map(|(.., times)| times).collect();
+    let names: Vec<String> = late.into_iter().map(|(_, name, _)| name).collect();
+    let remedy = (!times.is_empty()).then(|| {
         format!(
             "Remedy: a motion designed for them alone ([wanted] criterion = \"chosen\", parameters = their names), or a longer \
              recording. Distinguishable from zero, by the information of both motions: {}. A known payload does not help \
              with these.",
-            soon.join("; ")
+            times.join("; ")
         )
-    };
-    (!all.is_empty()).then(|| format!("{soon}{never}").trim_start().to_owned())
+    });
+    let none = (!names.is_empty())
+        .then(|| format!("An hour of this motion, or of one of its own, does not show {}.", names.join(", ")));
+    remedy.into_iter().chain(none).collect()
+}
+
+fn recording_time(seconds: f64) -> String {
+    if seconds <= LONGEST_S { format!("{} s", significant(seconds, 2)) } else { "more than an hour".to_owned() }
 }
 
 /// The requirements of a payload, and the predicted intervals of the drive gains.
