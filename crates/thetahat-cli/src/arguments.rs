@@ -63,10 +63,11 @@ pub enum Command {
     Sensitivity(Sensitivity),
     /// Reduce recordings of any length to a small file from which `solve` estimates.
     ///
-    /// The file holds triangular factors of the regression; the recordings are read in pieces. Reductions of the same robot
-    /// and the same [signal] can be merged.
+    /// The file holds the samples of short recordings, and of long ones, which are read in pieces, triangular factors of the
+    /// regression. Reductions of the same robot and the same [signal] can be merged.
     Reduce(Reduce),
-    /// Identify from reductions, alone or merged: by IDIM-LS, and by IDIM-IV if they have instruments.
+    /// Identify from reductions, alone or merged: as `identify` from samples; from factors by IDIM-LS, and by IDIM-IV if they
+    /// have instruments.
     Solve(Solve),
     /// Design the motion to record, and predict the interval of each parameter before the robot moves.
     ///
@@ -319,6 +320,9 @@ pub struct Reduce {
     /// A results.json whose estimates simulate the instruments for IDIM-IV: its idim-iv, or otherwise idim-ls
     #[arg(long, value_name = "RESULTS.json")]
     pub instruments_from: Option<PathBuf>,
+    /// Keep rows alone: `solve` then gives neither a model nor IDIM-IV without instruments
+    #[arg(long)]
+    pub rows_only: bool,
     /// Pieces processed at a time [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub threads: Option<usize>,

@@ -16,7 +16,7 @@ use thetahat_report::report;
 use crate::{
     arguments,
     inputs::{read_experiment, threads},
-    progress::Counter,
+    progress::{Counter, Progress},
     shown::{Remark, show},
     terminal::{Ending, print},
 };
@@ -26,7 +26,8 @@ pub fn reduce(request: &arguments::Reduce) -> Result<Ending, Box<dyn Error>> {
     let inputs = experiment.input_files(&data).into_iter().chain(request.instruments_from.clone());
     let guard = OutputGuard::new(inputs, request.force.force).of_robot(&experiment.robot.name);
     guard.file(&request.out, FileKind::Reduction)?;
-    let options = ReduceOptions { threads: threads(request.threads), ..Default::default() };
+    let (threads, rows_only) = (threads(request.threads), request.rows_only);
+    let options = ReduceOptions { threads, rows_only, ..Default::default() };
     let instruments =
         request.instruments_from.as_ref().map(|path| estimates_of_results(path, &experiment)).transpose()?;
     let mut counter = Counter::new("pieces");
@@ -50,8 +51,12 @@ fn line(r: &ReducedRecording) -> String {
         format!(", samples near rest left out (up to {most:.1} % of a joint's)")
     });
     format!(
-        "recording {}: {} samples at {} Hz, {start:.4} to {end:.4} s, {} rows of each joint{near_rest}\n",
-        r.name, r.samples, r.sample_rate_hz, r.rows
+        "recording {}: {} samples at {} Hz, {start:.4} to {end:.4} s, {} rows of each joint{near_rest}{}\n",
+        r.name,
+        r.samples,
+        r.sample_rate_hz,
+        r.rows,
+        if r.samples_kept.is_some() { ", samples kept" } else { "" }
     )
 }
 
@@ -60,7 +65,9 @@ pub fn solve(request: &arguments::Solve) -> Result<Ending, Box<dyn Error>> {
     request.output.out.iter().try_for_each(|directory| guard.folder(directory, report::files()))?;
     request.merged.iter().try_for_each(|file| guard.file(file, FileKind::Reduction))?;
     let reduction = Reduction::read_all(&request.reductions)?;
-    let solution = reduction.solve()?;
+    let mut progress = Progress::new();
+    let solution = reduction.solve_with_progress(&mut |stage| progress.show(stage))?;
+    drop(progress);
     let published = published(&reduction);
     request.merged.iter().try_for_each(|path| reduction.write(path))?;
     show(

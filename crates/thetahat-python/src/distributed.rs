@@ -182,7 +182,8 @@ pub fn reduce<'py>(
 ) -> Result<Bound<'py, PyBytes>, PythonError> {
     let content = py.detach(|| {
         let part = experiment_of(texts)?.part(recording, window_s)?;
-        let options = ReduceOptions::default();
+        // Parts of one recording are solved as the whole from their rows alone.
+        let options = ReduceOptions { rows_only: window_s.is_some(), ..ReduceOptions::default() };
         let reduction = part.reduce_with_instruments(&data, instruments.as_ref(), options, &mut |_| {})?;
         bytes_of(&reduction)
     })?;

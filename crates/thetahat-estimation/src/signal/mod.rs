@@ -51,7 +51,7 @@ pub use error::SignalError;
 #[doc(hidden)]
 pub use hold::CentredHold;
 pub use hold::centred_hold;
-pub use motion::{moving_samples, moving_thresholds};
+pub use motion::{moving_samples, moving_thresholds, peaks};
 pub use pieces::DecimatedPiece;
 pub use smoothing::{Smoothed, smooth};
 #[doc(hidden)]

@@ -55,7 +55,7 @@ pub fn moving_thresholds(peaks: &[f64], threshold_fraction: f64, still_velocity:
 }
 
 /// The largest absolute value of each channel.
-fn peaks(series: &Series) -> Vec<f64> {
+pub fn peaks(series: &Series) -> Vec<f64> {
     (0..series.len()).fold(vec![0.0; series.channels()], |mut peaks: Vec<f64>, k| {
         std::iter::zip(&mut peaks, series.sample(k)).for_each(|(peak, v)| *peak = peak.max(v.abs()));
         peaks

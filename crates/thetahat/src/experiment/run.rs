@@ -60,17 +60,34 @@ impl Experiment {
         identification: Identification,
         progress: &mut dyn FnMut(&str),
     ) -> Result<Results, ExperimentError> {
+        let mut results = self.results_without_steps(identification, progress)?;
+        remedies::enter(self, &mut results);
+        Ok(results)
+    }
+
+    /// The results on recordings that have no files: no recording is held back, and no step of a remedy changes a file.
+    pub(crate) fn run_on_kept(
+        &self,
+        recordings: Vec<Recording>,
+        progress: &mut dyn FnMut(&str),
+    ) -> Result<Results, ExperimentError> {
+        self.results_without_steps(self.identification_of(recordings)?, progress)
+    }
+
+    fn results_without_steps(
+        &self,
+        identification: Identification,
+        progress: &mut dyn FnMut(&str),
+    ) -> Result<Results, ExperimentError> {
         let results = identification.run_with_progress(progress).map_err(|e| self.refuse(e))?;
-        let mut results = Results {
+        Ok(Results {
             title: self.file.title.clone(),
             seed: self.file.twin.as_ref().map(|t| t.sensors.seed),
             experiment_description: self.text.clone(),
             robot_description: self.robot_text.clone(),
             robot_files: self.robot_hashes.clone(),
             ..results
-        };
-        remedies::enter(self, &mut results);
-        Ok(results)
+        })
     }
 
     /// Estimates by IV and DIDIM without an error of the simulator and with each one. `progress` receives the number of estimations that

@@ -36,7 +36,9 @@ mod wrapped;
 pub(crate) use consistent_set::consistent_set_of;
 pub(crate) use described_links::describes_links;
 pub use error::PreparationError;
-pub(crate) use filtered::{FilteredRecording, MOVING, STILL, torques, window_of};
+pub(crate) use filtered::{
+    FilteredRecording, MOVING, MotionOfRecording, STILL, accelerates, distorted_samples, near_ends, torques, window_of,
+};
 #[doc(hidden)]
 pub use loop_parameters::LoopParameter;
 pub(crate) use loop_parameters::{LoopParameters, LoopParts};

@@ -13,7 +13,7 @@ use thetahat_model::robot::{JointKind, Robot};
 /// Positions and torques of the joints at equal time steps, and what else was recorded with them.
 ///
 /// All series have one channel for each coordinate of the robot and the same number of samples.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     /// Its name in tables and messages; empty takes its number.
     pub name: String,

@@ -1,16 +1,14 @@
 //! A reference found in the recorded motion: moves, a Fourier series, or the motion smoothed.
 
-use std::ops::Range;
-
 use super::{
     error::PreparationError,
-    filtered::{MOVING, STILL, window_of},
+    filtered::STILL,
     recording::Recording,
     reference::{FoundPeriod, RecordedReference},
     setup::Setup,
 };
 use thetahat_estimation::{
-    signal::{self, Motion, Smoothed, moving_samples},
+    signal::{self, Smoothed},
     simulation::{PeriodicReference, Reference, SampledReference},
     trajectory::{FourierSeries, LowPass, Moves, Periodic, find_periodic, reconstruct},
 };
@@ -52,12 +50,6 @@ impl Setup<'_> {
                 ..RecordedReference::new(Reference::Sampled(SampledReference::new(smoothed.q, rate)), "filtered")
             },
         })
-    }
-
-    fn window(&self, recording: &Recording, motion: &Motion) -> Result<Range<usize>, PreparationError> {
-        let options = self.settings.signal.in_window(recording.window_s);
-        let moving = moving_samples(&motion.dq, MOVING, STILL)?;
-        window_of(moving, motion.dq.len(), recording.sample_rate_hz, &options)
     }
 }
 

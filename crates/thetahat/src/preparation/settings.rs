@@ -128,7 +128,8 @@ pub struct SignalOptions {
     pub decimation: usize,
     /// Start of the window, s. Without start and end, the window is the moving part less the edges of the filter.
     pub window_start_s: Option<f64>,
-    /// End of the window, s; with a start alone, the end of the recording.
+    /// End of the window, s; with a start alone, the end of the recording. Where a recording starts or ends in motion, the edges
+    /// of the filter are in no window.
     pub window_end_s: Option<f64>,
     /// How positions are differentiated.
     #[serde(default)]

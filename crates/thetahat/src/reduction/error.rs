@@ -175,8 +175,7 @@ pub enum ReductionError {
     },
     /// The file is of another version of its form.
     #[error(
-        "{}: a reduction of form {found}, this program reads form {form} alone, which holds the findings of the checks and the \
-         marks of samples that two recordings may share; reduce the recordings again",
+        "{}: a reduction of form {found}, this program reads form {form} alone; reduce the recordings again",
         path.display()
     )]
     Version {

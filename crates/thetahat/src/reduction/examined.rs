@@ -29,6 +29,8 @@ pub(super) struct Examined {
     /// Parts that were looked at one by one.
     pub parts: usize,
     pub folds: Option<RecordingFolds>,
+    /// The recording itself, where it was examined as a whole.
+    pub samples: Option<Box<Recording>>,
 }
 
 /// Examines the recordings of an experiment one after the other, and then with one another.
@@ -63,11 +65,13 @@ impl<'a> Examiner<'a> {
             self.prepared = None;
             return self.examine_parts(source, reduced);
         }
-        let prepared = self.prepare(source.complete(number, data)?)?;
+        let recording = source.complete(number, data)?;
+        let samples = Some(Box::new(recording.clone()));
+        let prepared = self.prepare(recording)?;
         let findings = self.findings_of(&prepared);
         let folds = self.folds_of(&prepared, reduced);
         self.keep(prepared);
-        Ok(Examined { findings, parts: 1, folds })
+        Ok(Examined { findings, parts: 1, folds, samples })
     }
 
     /// What the checks find in recordings together, where all are there.
@@ -120,7 +124,7 @@ impl<'a> Examiner<'a> {
         for own in parts_of(start..end) {
             parts.extend(self.examine_part(source, own)?);
         }
-        Ok(Examined { findings: findings_of_parts(&parts), parts: parts.len(), folds: None })
+        Ok(Examined { findings: findings_of_parts(&parts), parts: parts.len(), folds: None, samples: None })
     }
 
     /// What the checks find in a part of a recording, with samples around it for the filters; none of a part without motion.
@@ -139,8 +143,17 @@ impl<'a> Examiner<'a> {
 
 impl ReducedRecording {
     /// The same with what was found in it.
-    pub(super) fn examined(self, Examined { findings, parts, folds }: Examined) -> Self {
-        Self { findings, examined_parts: parts, folds, ..self }
+    pub(super) fn examined(self, Examined { findings, parts, folds, samples }: Examined) -> Self {
+        Self { findings, examined_parts: parts, folds, ..self }.with_samples(samples)
+    }
+
+    /// The same with the recording itself, in the window of its rows.
+    fn with_samples(self, samples: Option<Box<Recording>>) -> Self {
+        let in_window = |recording: Box<Recording>| {
+            let (name, window_s) = (self.name.clone(), self.window_s.map(Some));
+            Box::new(Recording { name, window_s, ..*recording })
+        };
+        Self { samples_kept: samples.map(in_window), ..self }
     }
 }
 

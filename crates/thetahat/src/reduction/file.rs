@@ -1,8 +1,9 @@
 //! The file of a reduction: a line that names its form, a line of JSON, numbers as doubles in little-endian order, and a
 //! checksum. The numbers are of each recording the rows of each joint, row by row, with the parts of them that a mask leaves;
-//! or where they were too many of each segment the counted rows and the upper triangles of the factors of all joints.
+//! or where they were too many of each segment the counted rows and the upper triangles of the factors of all joints; then the
+//! samples of each signal, where they are kept.
 //!
-//! Forms 1 and 2 had neither findings of the checks nor marks of samples.
+//! Forms 1 and 2 had neither findings of the checks nor marks of samples, form 3 had no samples.
 
 use std::{
     io::{self, Read},
@@ -15,15 +16,17 @@ use super::{
     Identity, JointRows, KeptRows, ReducedRecording, Reduction, ReductionError, Segment,
     fingerprint::scrambled,
     overlap::Marks,
+    samples::{self, SamplesHeader},
     value::{ComparedRecordings, RecordingFolds},
 };
+use crate::preparation::Recording;
 use thetahat_estimation::checks::Finding;
 use thetahat_ground::{files, linear_algebra::Matrix, output::replace_file};
 use thetahat_report::results::NearRestResult;
 
 const MAGIC: &[u8] = b"thetahat reduction ";
 /// The form that is written and read.
-const FORM: u32 = 3;
+const FORM: u32 = 4;
 const CHECKSUM: usize = 8;
 
 #[derive(Serialize, Deserialize)]
@@ -68,6 +71,7 @@ struct RecordingHeader {
     examined_parts: usize,
     folds: Option<RecordingFolds>,
     kept: KeptHeader,
+    samples_kept: Option<SamplesHeader>,
 }
 
 impl Reduction {
@@ -111,6 +115,7 @@ impl Reduction {
             examined_parts: r.examined_parts,
             folds: r.folds.clone(),
             kept: KeptHeader::of(&r.kept),
+            samples_kept: r.samples_kept.as_deref().map(SamplesHeader::of),
         };
         let header = Header {
             identity: self.identity.clone(),
@@ -126,7 +131,10 @@ impl Reduction {
         serde_json::to_writer(&mut bytes, &header)?;
         bytes.push(b'\n');
         let mut write = |value: f64| bytes.extend(value.to_le_bytes());
-        self.recordings.iter().for_each(|recording| recording.kept.write(&mut write));
+        for recording in &self.recordings {
+            recording.kept.write(&mut write);
+            recording.samples_kept.iter().for_each(|samples| samples::write(samples, &mut write));
+        }
         let sum = checksum(&bytes);
         bytes.extend(sum.to_le_bytes());
         Ok(bytes)
@@ -175,7 +183,12 @@ impl Header {
         }
         let matrices = if self.instruments.is_some() { 2 } else { 1 };
         let columns: Vec<usize> = self.identity.acting.iter().map(|acting| matrices * acting.len() + 1).collect();
-        let needed = total_of(self.recordings.iter().map(|r| r.kept.values(&columns)))?;
+        let joints = columns.len();
+        let values = |r: &RecordingHeader| {
+            let samples = r.samples_kept.as_ref().map_or(Some(0), |samples| samples.values(joints));
+            r.kept.values(&columns)?.checked_add(samples?)
+        };
+        let needed = total_of(self.recordings.iter().map(values))?;
         if bytes.len() != needed.checked_mul(8)? || !self.recordings.iter().all(RecordingHeader::has_folds_of_its_rows)
         {
             return None;
@@ -185,6 +198,11 @@ impl Header {
         let recordings = self.recordings.into_iter().map(|r| ReducedRecording {
             rows: r.kept.rows().unwrap_or_default(),
             kept: r.kept.read(&columns, &mut next),
+            samples_kept: r.samples_kept.map(|samples| {
+                let recording = samples.read(joints, &mut next);
+                let (name, weight, torque_hold_s) = (r.name.clone(), r.weight, r.torque_hold_s);
+                Box::new(Recording { name, weight, torque_hold_s, ..recording })
+            }),
             name: r.name,
             file: r.file,
             weight: r.weight,

@@ -21,6 +21,7 @@
 //! | `instruments` | the simulated motion of a piece |
 //! | `reduce` | all of it, recording by recording |
 //! | `factors` | rows to factors, stretch by stretch |
+//! | `samples` | the samples of short recordings |
 //! | `part` | parts of an experiment that are reduced by themselves |
 //! | `value`, `file`, `fingerprint` | the reduction, its merging and its file; by what a recording is known again |
 //! | `identity` | what must agree between reductions that are merged |
@@ -58,6 +59,7 @@ mod parts;
 mod pieces;
 mod reduce;
 mod rows;
+mod samples;
 mod solve;
 mod source;
 mod survey;

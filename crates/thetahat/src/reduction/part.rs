@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{error::ReductionError, source::Source};
 use crate::{
     experiment::{Experiment, RecordingDescription},
-    preparation::{PreparationError, window_of},
+    preparation::{MotionOfRecording, PreparationError, window_of},
 };
 
 impl Experiment {
@@ -21,7 +21,10 @@ impl Experiment {
             let source = Source::open(self, description, (i + 1, data), false)?;
             let signal = self.settings.signal.in_window([description.window_start_s, description.window_end_s]);
             let rate = source.sample_rate_hz;
-            let window = window_of(0..source.samples, source.samples, rate, &signal).map_err(|e| self.refuse(e))?;
+            // Whether it moves at its ends is seen when it is reduced.
+            let (moving, samples) = (0..source.samples, source.samples);
+            let motion = MotionOfRecording { moving, accelerates_at: [false; 2], samples };
+            let window = window_of(motion, rate, &signal).map_err(|e| self.refuse(e))?;
             Ok([window.start as f64 / rate, window.end as f64 / rate])
         };
         self.file.recording.iter().enumerate().map(span).collect()

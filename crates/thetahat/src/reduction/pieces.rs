@@ -8,7 +8,7 @@ use crate::{
     preparation::{MOVING, PreparationError, STILL},
 };
 use thetahat_estimation::signal::{
-    Decimator, Motion, SecondOrderSections, SignalError, moving_thresholds, squared_differences,
+    Decimator, Motion, SecondOrderSections, SignalError, moving_thresholds, peaks, squared_differences,
 };
 use thetahat_ground::series::Series;
 
@@ -33,6 +33,8 @@ pub(super) struct Pieces<'a> {
 pub(super) struct Look {
     /// The largest velocity of each joint.
     pub peaks: Vec<f64>,
+    /// The largest acceleration of each joint.
+    pub accelerations: Vec<f64>,
     /// The sum of the squares of what the position filter takes off each joint's positions.
     pub taken_off: Vec<f64>,
 }
@@ -73,9 +75,18 @@ impl<'a> Pieces<'a> {
 
     /// Filtered velocities in a range of samples.
     fn velocity(&self, range: &Range<usize>) -> Result<Series, ReductionError> {
+        self.filtered(range, |motion| motion.dq)
+    }
+
+    /// Filtered accelerations in a range of samples.
+    pub(super) fn acceleration(&self, range: &Range<usize>) -> Result<Series, ReductionError> {
+        self.filtered(range, |motion| motion.ddq)
+    }
+
+    fn filtered(&self, range: &Range<usize>, of: fn(Motion) -> Series) -> Result<Series, ReductionError> {
         let extended = self.extended(range);
-        let Motion { dq, .. } = self.band_pass(&self.source.position(extended.clone())?)?;
-        Ok(dq.window(range.start - extended.start..range.end - extended.start))
+        let series = of(self.band_pass(&self.source.position(extended.clone())?)?);
+        Ok(series.window(range.start - extended.start..range.end - extended.start))
     }
 
     /// The pieces of the whole recording.
@@ -88,14 +99,11 @@ impl<'a> Pieces<'a> {
     pub(super) fn look(&self, range: &Range<usize>) -> Result<Look, ReductionError> {
         let extended = self.extended(range);
         let position = self.source.position(extended.clone())?;
-        let Motion { q, dq, .. } = self.band_pass(&position)?;
+        let Motion { q, dq, ddq } = self.band_pass(&position)?;
         let own = range.start - extended.start..range.end - extended.start;
         let taken_off = squared_differences(&position, &q, &own);
-        let mut peaks = vec![0.0_f64; dq.channels()];
-        for sample in own.map(|k| dq.sample(k)) {
-            peaks.iter_mut().zip(sample).for_each(|(peak, v)| *peak = peak.max(v.abs()));
-        }
-        Ok(Look { peaks, taken_off })
+        let [peaks, accelerations] = [dq, ddq].map(|series| peaks(&series.window(own.clone())));
+        Ok(Look { peaks, accelerations, taken_off })
     }
 
     /// The samples between the first and the last that moves, from the peaks of all pieces.

@@ -35,11 +35,24 @@ pub struct ReduceOptions {
     pub threads: usize,
     /// Samples of one piece, about.
     pub piece_samples: usize,
+    /// Whether rows alone are kept: of short recordings the samples are kept otherwise, from which [`Reduction::solve`]
+    /// estimates all that [`Experiment::run`] does.
+    pub rows_only: bool,
 }
 
 impl Default for ReduceOptions {
     fn default() -> Self {
-        Self { threads: 1, piece_samples: 1 << 16 }
+        Self { threads: 1, piece_samples: 1 << 16, rows_only: false }
+    }
+}
+
+impl ReduceOptions {
+    /// What is kept of a recording.
+    fn kept(&self, recording: ReducedRecording) -> ReducedRecording {
+        match self.rows_only {
+            true => ReducedRecording { samples_kept: None, ..recording },
+            false => recording,
+        }
     }
 }
 
@@ -105,14 +118,14 @@ impl Experiment {
             let mut report = |done, to_do| progress(ReduceProgress { recording: i + 1, recordings, done, to_do });
             let reduced = reducer.recording(&source, Some(description), &mut report)?;
             let examined = examiner.examine(&source, (i + 1, data), &reduced)?;
-            reduction.add(reduced.examined(examined))?;
+            reduction.add(options.kept(reduced.examined(examined)))?;
         }
         if let Some(twin) = &self.file.twin {
             let source = Source::of_recording(self, self.simulate_twin(twin)?);
             let mut report = |done, to_do| progress(ReduceProgress { recording: 1, recordings, done, to_do });
             let reduced = reducer.recording(&source, None, &mut report)?;
             let examined = examiner.examine(&source, (1, data), &reduced)?;
-            reduction.add(reduced.examined(examined))?;
+            reduction.add(options.kept(reduced.examined(examined)))?;
         }
         reduction.compared = examiner.compared(&reduction).into_iter().collect();
         Ok(reduction)
@@ -265,6 +278,7 @@ impl<'a> Reducer<'a> {
             findings: Vec::new(),
             examined_parts: 0,
             folds: None,
+            samples_kept: None,
         })
     }
 

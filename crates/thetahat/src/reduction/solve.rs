@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     experiment::Experiment,
-    preparation::Case,
+    preparation::{Case, Recording},
     run::{Folds, ReducedData, ReducedIdentification, SimulatedInstruments},
 };
 use thetahat_estimation::{
@@ -22,8 +22,8 @@ const TOGETHER: &str = "all recordings";
 /// The estimate from a reduction.
 #[derive(Debug, Clone)]
 pub struct Solution {
-    /// In the form of an identification: the nominal runs of the methods that need the measured motion alone, and with
-    /// instruments also of IDIM-IV.
+    /// In the form of an identification. From rows: the nominal runs of the methods that need the measured motion alone, and
+    /// with instruments also of IDIM-IV.
     pub results: Results,
     /// Where the intervals come from.
     pub intervals: IntervalSource,
@@ -41,8 +41,9 @@ pub enum IntervalSource {
 }
 
 impl Reduction {
-    /// Identifies from the rows, or from their triangular factors: estimates, classical deviations and errors are those of
-    /// [`Experiment::run`], and so are the verdict and its reasons, but for those that are listed as not examined.
+    /// Identifies: [`Experiment::run`] on the samples of the recordings, where they are kept. Otherwise from the rows, or from
+    /// their triangular factors: estimates, classical deviations and errors are the same, and so are the reasons of the
+    /// verdict, but for those that are listed as not examined; there is no model.
     ///
     /// The settings are those of the experiment of the first reduction. Intervals are those of an identification where all
     /// rows are kept; else they come from the scores of the stretches of time, by bias-reduced linearisation (CR2) of
@@ -53,7 +54,35 @@ impl Reduction {
     /// # Errors
     /// [`ReductionError`] where the experiment in the reduction cannot be used.
     pub fn solve(&self) -> Result<Solution, ReductionError> {
+        self.solve_with_progress(&mut |_| {})
+    }
+
+    /// The same; `progress` receives what is being done.
+    ///
+    /// # Errors
+    /// As [`Reduction::solve`].
+    pub fn solve_with_progress(&self, progress: &mut dyn FnMut(&str)) -> Result<Solution, ReductionError> {
         let experiment = self.experiment()?;
+        if !self.recordings.is_empty()
+            && let Some(recordings) = self.recordings.iter().map(ReducedRecording::recording).collect()
+        {
+            return self.solve_samples(&experiment, recordings, progress);
+        }
+        self.solve_rows(&experiment)
+    }
+
+    fn solve_samples(
+        &self,
+        experiment: &Experiment,
+        recordings: Vec<Recording>,
+        progress: &mut dyn FnMut(&str),
+    ) -> Result<Solution, ReductionError> {
+        let results = experiment.run_on_kept(recordings, progress)?;
+        let not_examined = not_held_back(experiment).into_iter().collect();
+        Ok(Solution { results: Results { not_examined, ..results }, intervals: IntervalSource::Rows })
+    }
+
+    fn solve_rows(&self, experiment: &Experiment) -> Result<Solution, ReductionError> {
         let setup = experiment.setup();
         let basis = setup.basis(&Case::nominal()).map_err(|e| experiment.refuse(e))?;
         if basis.base.parameters().iter().map(|p| &p.name).ne(&self.identity.parameters) {
@@ -63,7 +92,7 @@ impl Reduction {
         if self.recordings.is_empty() {
             return Err(ReductionError::Nothing);
         }
-        let data = self.data(&experiment);
+        let data = self.data(experiment);
         let stretches = data.regression.layout.blocks().iter().map(|b| b.stretch + 1).max().unwrap_or(0);
         let is_in_time_order = data.regression.is_in_time_order;
         let identification = ReducedIdentification::new(setup, basis, data).map_err(|e| experiment.refuse(e))?;
@@ -173,14 +202,10 @@ impl Reduction {
                 ReasonCode::Undecided,
                 "methods that simulate the closed loop need the recordings: none was compared with the estimate",
             ),
-            (
-                !experiment.file.validation.is_empty(),
-                ReasonCode::CrossValidation,
-                "recordings that are held back are not reduced: the estimate was not tested on them",
-            ),
         ];
         let missing = absent.into_iter().filter(|(is_absent, ..)| *is_absent);
-        missing.map(|(_, code, why)| NotExamined { code, why: why.to_owned() }).collect()
+        let missing = missing.map(|(_, code, why)| NotExamined { code, why: why.to_owned() });
+        missing.chain(not_held_back(experiment)).collect()
     }
 
     /// Whether all recordings were compared with one another.
@@ -190,7 +215,19 @@ impl Reduction {
     }
 }
 
+/// That recordings which are held back were not reduced.
+fn not_held_back(experiment: &Experiment) -> Option<NotExamined> {
+    let why = "recordings that are held back are not reduced: the estimate was not tested on them";
+    let not_examined = NotExamined { code: ReasonCode::CrossValidation, why: why.to_owned() };
+    (!experiment.file.validation.is_empty()).then_some(not_examined)
+}
+
 impl ReducedRecording {
+    /// The recording itself, where it is kept.
+    fn recording(&self) -> Option<Recording> {
+        self.samples_kept.as_deref().cloned()
+    }
+
     fn describe(&self) -> RecordingResult {
         RecordingResult {
             name: self.name.clone(),

@@ -6,7 +6,9 @@ use super::{
     error::ReductionError,
     pieces::{Look, Pieces},
 };
-use crate::preparation::{SignalOptions, near_rest_of_noise, window_of};
+use crate::preparation::{
+    MotionOfRecording, SignalOptions, accelerates, distorted_samples, near_ends, near_rest_of_noise, window_of,
+};
 use thetahat_estimation::{identification::NearRest, signal::densities_of_squares};
 use thetahat_ground::pool::in_order;
 
@@ -36,8 +38,8 @@ impl<'a> Survey<'a> {
 
     /// The window, and what counts as near rest in it of a robot whose torques jump where velocities change their sign.
     ///
-    /// A window that is not stated and limits that depend on the noise of the positions take a pass over the recording: the
-    /// limits are those of the whole window, and do not depend on the pieces.
+    /// A window that is not stated or reaches the ends of the recording, and limits that depend on the noise of the positions,
+    /// take a pass over the recording: the limits are those of the whole window, and do not depend on the pieces.
     pub(super) fn run(mut self, signal: &SignalOptions, has_jumps: bool) -> Result<Surveyed, ReductionError> {
         let window = self.window(signal)?;
         let near_rest = if has_jumps { self.near_rest(signal, &window)? } else { None };
@@ -46,21 +48,32 @@ impl<'a> Survey<'a> {
 
     fn window(&mut self, signal: &SignalOptions) -> Result<Range<usize>, ReductionError> {
         let Pieces { experiment, source, .. } = *self.pieces;
-        let of = |moving| {
-            let window = window_of(moving, source.samples, source.sample_rate_hz, signal);
+        let (samples, rate) = (source.samples, source.sample_rate_hz);
+        let of = |moving, accelerates_at| {
+            let window = window_of(MotionOfRecording { moving, accelerates_at, samples }, rate, signal);
             window.map_err(|e| ReductionError::from(experiment.refuse(e)))
         };
-        if signal.window_start_s.is_none() {
+        let distorted = distorted_samples(rate, signal.cutoff_hz);
+        let reaches_ends = |window: &Range<usize>| window.start < distorted || window.end + distorted > samples;
+        if signal.window_start_s.is_none() || reaches_ends(&of(0..samples, [false; 2])?) {
             self.look_at(self.pieces.all())?;
             let peaks: Vec<&[f64]> = self.looks.values().map(|look| &look.peaks[..]).collect();
-            return of(self.pieces.moving(&peaks)?);
+            let [start, end] = near_ends(samples, rate, signal.cutoff_hz);
+            return of(self.pieces.moving(&peaks)?, [self.accelerates(&start)?, self.accelerates(&end)?]);
         }
-        let window = of(0..source.samples)?;
+        let window = of(0..samples, [false; 2])?;
         if source.has_stamps() {
             // Outside the window only the stamps are read: they too must be equally spaced.
             [0..window.start + 1, window.end - 1..source.samples].iter().try_for_each(|r| self.check_stamps(r))?;
         }
         Ok(window)
+    }
+
+    /// Whether a joint accelerates in a range of samples, once all pieces were looked at.
+    fn accelerates(&self, range: &Range<usize>) -> Result<bool, ReductionError> {
+        let joints = self.pieces.experiment.robot.coordinate_count();
+        let largest = |j: usize| self.looks.values().map(|look| look.accelerations[j]).fold(0.0, f64::max);
+        Ok(accelerates(&self.pieces.acceleration(range)?, &(0..joints).map(largest).collect::<Vec<_>>()))
     }
 
     fn check_stamps(&self, range: &Range<usize>) -> Result<(), ReductionError> {

@@ -8,7 +8,9 @@ use super::{
     factors::{KeptRows, MOST_SEGMENTS, coarsened},
     identity::{Identity, unlike},
     overlap::Marks,
+    samples,
 };
+use crate::preparation::Recording;
 use thetahat_estimation::checks::Finding;
 use thetahat_report::results::NearRestResult;
 
@@ -95,6 +97,8 @@ pub struct ReducedRecording {
     pub folds: Option<RecordingFolds>,
     /// Its rows, or their factors.
     pub kept: KeptRows,
+    /// The recording itself, where it is short: an identification reads it.
+    pub samples_kept: Option<Box<Recording>>,
 }
 
 impl Reduction {
@@ -179,8 +183,11 @@ impl Reduction {
     }
 
     /// Keeps factors in the place of rows where all recordings have too many, and few segments of many recordings: how few
-    /// follows from the number of recordings alone.
+    /// follows from the number of recordings alone. Samples are kept of all recordings or of none.
     fn coarsen(&mut self) {
+        if !samples::are_kept(&self.recordings) {
+            self.recordings.iter_mut().for_each(|recording| recording.samples_kept = None);
+        }
         let of_row: usize = self.identity.acting.iter().map(|acting| self.matrices() * acting.len() + 1).sum();
         let are_many = of_row * self.recordings.iter().map(|r| r.rows).sum::<usize>() > MOST_NUMBERS;
         let most = most_segments(self.recordings.len());

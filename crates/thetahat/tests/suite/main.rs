@@ -11,6 +11,7 @@ mod demo;
 mod design;
 mod design_collision;
 mod dynamics_identities;
+mod ends_in_motion;
 mod exports;
 mod filter_choice;
 mod followed_twin;

@@ -45,8 +45,13 @@ impl Recordings {
         Experiment::from_texts(Path::new("merged.toml"), text, ROBOT.to_owned()).unwrap()
     }
 
+    /// Reduces recordings to their rows.
     fn reduce(&self, recordings: &str, signal: &str) -> Result<Reduction, ReductionError> {
-        let options = ReduceOptions { threads: 2, piece_samples: 1500 };
+        self.reduce_to(recordings, signal, true)
+    }
+
+    fn reduce_to(&self, recordings: &str, signal: &str, rows_only: bool) -> Result<Reduction, ReductionError> {
+        let options = ReduceOptions { threads: 2, piece_samples: 1500, rows_only };
         self.experiment(recordings, signal).reduce(self.0.path(), options, &mut |_| {})
     }
 }
@@ -185,10 +190,38 @@ fn unlike_reductions_are_refused_with_what_differs() {
     assert!(matches!(Reduction::merge_all([]), Err(ReductionError::Nothing)));
 }
 
+/// Short recordings are kept whole: merged, they have the model, the verdict and the estimates of an identification.
+#[test]
+fn recordings_whose_samples_are_kept_are_identified() {
+    let (folder, recordings) = three();
+    let identified = folder.experiment(&recordings.concat(), SIGNAL).run(folder.0.path(), &mut |_| {}).unwrap();
+    let own = recordings.each_ref().map(|r| folder.reduce_to(r, SIGNAL, false).unwrap());
+    let solved = Reduction::merge_all(own.clone()).unwrap().solve().unwrap().results;
+    assert_same(&solved, &identified, EQUAL);
+    let reasons = |r: &Results| r.verdict_reasons.iter().map(|r| (r.code, r.verdict)).collect::<Vec<_>>();
+    assert_eq!((solved.verdict, reasons(&solved)), (identified.verdict, reasons(&identified)));
+    let model = |r: &Results| r.model.as_ref().unwrap().parameters.iter().map(|p| p.value).collect::<Vec<_>>();
+    for (found, expected) in model(&solved).iter().zip(model(&identified)) {
+        assert!((found - expected).abs() < EQUAL * expected.abs().max(1.0), "{found} {expected}");
+    }
+    assert!(solved.not_examined.is_empty());
+    let [first, ..] = own;
+    let with_rows = first.merge(folder.reduce(&recordings[1], SIGNAL).unwrap()).unwrap();
+    assert!(with_rows.recordings.iter().all(|r| r.samples_kept.is_none()));
+    let results = with_rows.solve().unwrap().results;
+    assert!(results.model.is_none() && results.no_model.is_some());
+}
+
 #[test]
 fn a_file_is_read_as_it_was_written_or_refused() {
+    for (rows_only, step) in [(true, 53), (false, 997)] {
+        file_is_read_or_refused(rows_only, step);
+    }
+}
+
+fn file_is_read_or_refused(rows_only: bool, step: usize) {
     let (folder, recordings) = three();
-    let reduction = folder.reduce(&recordings[0], SIGNAL).unwrap();
+    let reduction = folder.reduce_to(&recordings[0], SIGNAL, rows_only).unwrap();
     let path = folder.0.at("a.reduction");
     reduction.write(&path).unwrap();
     assert_eq!(Reduction::read(&path).unwrap(), reduction);
@@ -197,17 +230,17 @@ fn a_file_is_read_as_it_was_written_or_refused() {
         std::fs::write(&path, bytes).unwrap();
         Reduction::read(&path).unwrap_err()
     };
-    for length in (0..bytes.len()).step_by(97) {
+    for length in (0..bytes.len()).step_by(2 * step) {
         assert!(matches!(refused(&bytes[..length]), ReductionError::Damaged { .. }), "{length}");
     }
-    for place in (0..bytes.len()).step_by(53) {
+    for place in (0..bytes.len()).step_by(step) {
         let mut damaged = bytes.clone();
         damaged[place] ^= 0x10;
         let error = refused(&damaged);
         assert!(matches!(error, ReductionError::Damaged { .. } | ReductionError::Version { .. }), "{place}: {error}");
     }
-    let next = [b"thetahat reduction 4\n", &bytes[21..]].concat();
-    assert!(matches!(refused(&next), ReductionError::Version { form: 3, .. }));
+    let next = [b"thetahat reduction 5\n", &bytes[21..]].concat();
+    assert!(matches!(refused(&next), ReductionError::Version { form: 4, .. }));
     assert!(matches!(refused(b"a,b\n1,2\n"), ReductionError::Damaged { .. }));
     assert!(matches!(Reduction::read(&folder.0.at("none")), Err(ReductionError::Unreadable { .. })));
     assert!(matches!(reduction.write(folder.0.path()), Err(ReductionError::Unwritable { .. })));
@@ -218,9 +251,8 @@ fn a_file_is_read_as_it_was_written_or_refused() {
 fn a_file_of_form_1_is_refused() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/forms/form_1.reduction");
     let error = Reduction::read(&path).unwrap_err();
-    assert!(matches!(&error, ReductionError::Version { found, form: 3, .. } if found == "1"), "{error}");
-    let words =
-        ["a reduction of form 1", "reads form 3 alone", "findings of the checks", "reduce the recordings again"];
+    assert!(matches!(&error, ReductionError::Version { found, form: 4, .. } if found == "1"), "{error}");
+    let words = ["a reduction of form 1", "reads form 4 alone", "reduce the recordings again"];
     words.iter().for_each(|word| assert!(error.to_string().contains(word), "no {word:?} in: {error}"));
 }
 

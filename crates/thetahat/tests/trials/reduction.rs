@@ -44,7 +44,9 @@ fn every_sample(experiment: Experiment) -> Experiment {
 }
 
 fn reduce(experiment: &Experiment, threads: usize, piece_samples: usize) -> Reduction {
-    experiment.reduce(&thetahat_testing::data(), ReduceOptions { threads, piece_samples }, &mut |_| {}).unwrap()
+    experiment
+        .reduce(&thetahat_testing::data(), ReduceOptions { threads, piece_samples, rows_only: true }, &mut |_| {})
+        .unwrap()
 }
 
 fn close(a: f64, b: f64, size: f64, tolerance: f64, what: &str) -> Result<(), Failed> {
@@ -196,7 +198,7 @@ fn equals_last_step(mut experiment: Experiment) -> Result<(), Failed> {
     let before = &expected.convergence[expected.convergence.len() - 2].estimates;
     let named: BTreeMap<String, f64> =
         expected.parameters.iter().zip(before).map(|(p, v)| (p.name.clone(), *v)).collect();
-    let options = ReduceOptions { threads: 2, piece_samples: 3000 };
+    let options = ReduceOptions { threads: 2, piece_samples: 3000, rows_only: true };
     let reduction =
         experiment.reduce_with_instruments(&thetahat_testing::data(), Some(&named), options, &mut |_| {})?;
     let solved = reduction.solve()?.results;
@@ -271,7 +273,7 @@ fn iv_in_pieces_with(mask: &str, held: bool) -> Result<(), Failed> {
     let before = &expected.convergence[expected.convergence.len() - 2].estimates;
     let named: BTreeMap<String, f64> =
         expected.parameters.iter().zip(before).map(|(p, v)| (p.name.clone(), *v)).collect();
-    let options = ReduceOptions { threads: 2, piece_samples: 9000 };
+    let options = ReduceOptions { threads: 2, piece_samples: 9000, rows_only: true };
     let solved =
         experiment.reduce_with_instruments(folder.path(), Some(&named), options, &mut |_| {})?.solve()?.results;
     let iv = solved.run("nominal", Method::IDIM_IV).unwrap();

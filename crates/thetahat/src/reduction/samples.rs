@@ -1,0 +1,137 @@
+//! The samples of short recordings, which an identification reads: their part of the file.
+
+use serde::{Deserialize, Serialize};
+
+use super::value::ReducedRecording;
+use crate::preparation::Recording;
+use thetahat_data::recording::Resampling;
+use thetahat_estimation::trajectory::Moves;
+use thetahat_ground::series::Series;
+
+/// Numbers of the samples of all recordings up to which they are kept.
+const MOST_NUMBERS: usize = 1 << 22;
+
+/// Whether the samples of recordings are kept: each has its own, and all together are few.
+pub(super) fn are_kept(recordings: &[ReducedRecording]) -> bool {
+    let numbers = |r: &ReducedRecording| r.samples_kept.as_ref().map(|samples| numbers(samples));
+    let all: Option<usize> = recordings.iter().map(numbers).sum();
+    all.is_some_and(|all| all <= MOST_NUMBERS)
+}
+
+/// The numbers of a recording's series.
+fn numbers(recording: &Recording) -> usize {
+    SIGNALS.iter().filter_map(|signal| signal.of(recording)).map(<[f64]>::len).sum()
+}
+
+/// A series of a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Signal {
+    Position,
+    Torque,
+    Velocity,
+    Reference,
+    AddedSignal,
+    TimeStamps,
+}
+
+/// In the order of the file.
+const SIGNALS: [Signal; 6] =
+    [Signal::Position, Signal::Torque, Signal::Velocity, Signal::Reference, Signal::AddedSignal, Signal::TimeStamps];
+
+impl Signal {
+    fn of(self, recording: &Recording) -> Option<&[f64]> {
+        let series = match self {
+            Self::Position => Some(&recording.position),
+            Self::Torque => recording.torque.as_ref(),
+            Self::Velocity => recording.velocity.as_ref(),
+            Self::Reference => recording.reference.as_ref(),
+            Self::AddedSignal => recording.added_signal.as_ref(),
+            Self::TimeStamps => return recording.time_stamps_s.as_deref(),
+        };
+        series.map(Series::values)
+    }
+
+    fn set(self, recording: &mut Recording, values: Vec<f64>, joints: usize) {
+        match self {
+            Self::Position => recording.position = Series::shaped(joints, values),
+            Self::Torque => recording.torque = Some(Series::shaped(joints, values)),
+            Self::Velocity => recording.velocity = Some(Series::shaped(joints, values)),
+            Self::Reference => recording.reference = Some(Series::shaped(joints, values)),
+            Self::AddedSignal => recording.added_signal = Some(Series::shaped(joints, values)),
+            Self::TimeStamps => recording.time_stamps_s = Some(values),
+        }
+    }
+
+    /// Numbers of each sample.
+    fn channels(self, joints: usize) -> usize {
+        match self {
+            Self::Position | Self::Torque | Self::Velocity | Self::Reference | Self::AddedSignal => joints,
+            Self::TimeStamps => 1,
+        }
+    }
+}
+
+/// What the header of the file says of a recording's samples; name, weight and hold of the torques stand with its rows.
+#[derive(Serialize, Deserialize)]
+pub(super) struct SamplesHeader {
+    samples: usize,
+    signals: Vec<Signal>,
+    sample_rate_hz: f64,
+    window_s: [Option<f64>; 2],
+    resampling: Option<Resampling>,
+    contradicting_times: Option<(String, f64)>,
+    notes: Vec<String>,
+    geared: bool,
+    planned: Option<Moves>,
+    truth: Option<Vec<f64>>,
+}
+
+impl SamplesHeader {
+    pub(super) fn of(recording: &Recording) -> Self {
+        Self {
+            samples: recording.position.len(),
+            signals: SIGNALS.into_iter().filter(|signal| signal.of(recording).is_some()).collect(),
+            sample_rate_hz: recording.sample_rate_hz,
+            window_s: recording.window_s,
+            resampling: recording.resampling,
+            contradicting_times: recording.contradicting_times.clone(),
+            notes: recording.notes.clone(),
+            geared: recording.geared,
+            planned: recording.planned.clone(),
+            truth: recording.truth.clone(),
+        }
+    }
+
+    /// How many values stand in the file; none if its signals are not in order.
+    pub(super) fn values(&self, joints: usize) -> Option<usize> {
+        let place = |signal: &Signal| SIGNALS.iter().position(|s| s == signal);
+        let is_in_order = self.signals.first() == Some(&Signal::Position) && self.signals.is_sorted_by_key(place);
+        let channels: usize = self.signals.iter().map(|signal| signal.channels(joints)).sum();
+        if is_in_order { self.samples.checked_mul(channels) } else { None }
+    }
+
+    pub(super) fn read(self, joints: usize, next: &mut impl FnMut() -> f64) -> Recording {
+        let mut recording = Recording {
+            window_s: self.window_s,
+            resampling: self.resampling,
+            contradicting_times: self.contradicting_times,
+            notes: self.notes,
+            geared: self.geared,
+            planned: self.planned,
+            truth: self.truth,
+            ..Recording::without_torque(self.sample_rate_hz, Series::zeros(0, joints))
+        };
+        for signal in self.signals {
+            let values = (0..self.samples * signal.channels(joints)).map(|_| next()).collect();
+            signal.set(&mut recording, values, joints);
+        }
+        recording
+    }
+}
+
+/// Writes the values of a recording in the order in which they are read.
+pub(super) fn write(recording: &Recording, write: &mut impl FnMut(f64)) {
+    let values = SIGNALS.iter().filter_map(|signal| signal.of(recording)).flatten();
+    values.for_each(|value| write(*value));
+}
