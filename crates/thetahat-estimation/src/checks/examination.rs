@@ -98,6 +98,11 @@ impl<'a> Examination<'a> {
         self.findings.iter().any(|f| codes.contains(&f.code) && f.severity < Severity::Note)
     }
 
+    /// Whether there is a problem of a code.
+    pub(super) fn has_problem(&self, code: Code) -> bool {
+        self.findings.iter().any(|f| f.code == code && f.severity == Severity::Problem)
+    }
+
     /// The findings, most severe first, then by code and joint.
     pub(super) fn into_findings(mut self) -> Vec<Finding> {
         self.findings.sort_by_key(|f| (f.severity, f.code, f.joint));

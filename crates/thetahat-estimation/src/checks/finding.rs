@@ -74,6 +74,8 @@ pub enum Code {
     PositionQuantised,
     /// The position has outliers.
     PositionSpikes,
+    /// The position jumps and stays.
+    PositionJump,
     /// The recorded velocity differs from the derivative of the position.
     VelocityMismatch,
     /// A joint does not move.
@@ -140,7 +142,7 @@ impl Code {
     }
 
     /// All codes, in order.
-    pub const ALL: [Self; 41] = [
+    pub const ALL: [Self; 42] = [
         Self::PositionScale,
         Self::PositionSign,
         Self::PositionZero,
@@ -159,6 +161,7 @@ impl Code {
         Self::TorqueSpikes,
         Self::PositionQuantised,
         Self::PositionSpikes,
+        Self::PositionJump,
         Self::VelocityMismatch,
         Self::JointStill,
         Self::StillPeriod,
@@ -206,6 +209,7 @@ impl Code {
             Self::TorqueSpikes => "torque-spikes",
             Self::PositionQuantised => "position-quantised",
             Self::PositionSpikes => "position-spikes",
+            Self::PositionJump => "position-jump",
             Self::VelocityMismatch => "velocity-mismatch",
             Self::JointStill => "joint-still",
             Self::StillPeriod => "still-period",

@@ -96,6 +96,9 @@ fn check_motion(exam: &mut Examination<'_>, signals: &Signals) {
     if !exam.has(&[Code::PositionSpikes]) {
         motion::repeats::check(exam, signals);
     }
+    if !exam.has(&[Code::DroppedSamples]) {
+        motion::jumps::check(exam, signals);
+    }
     motion::resolution::check(exam, signals);
     motion::velocity::check(exam, signals);
     control::reference::check(exam);
@@ -107,6 +110,7 @@ fn check_motion(exam: &mut Examination<'_>, signals: &Signals) {
 /// Checks of the fit, without those that a defect found earlier makes meaningless.
 fn check_fit(exam: &mut Examination<'_>, signals: &Signals, recording: &mut ThinnedRecording<'_>) {
     let is_uninformative = exam.has(&[Code::TorqueConstant, Code::JointStill, Code::JointDither])
+        || exam.has_problem(Code::PositionJump)
         || !recording.has_rows_for(recording.parameters());
     if is_uninformative {
         return motion::excitation::check(exam, &recording.with_estimated_parameters());

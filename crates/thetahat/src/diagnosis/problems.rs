@@ -123,6 +123,7 @@ fn concern(code: Code) -> Concern {
         | Code::TorqueSign
         | Code::JointsSwapped
         | Code::GearRatio
+        | Code::PositionJump
         | Code::APrioriScale
         | Code::WrongRobot
         | Code::GravityDirection

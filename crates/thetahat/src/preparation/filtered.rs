@@ -85,9 +85,13 @@ impl Setup<'_> {
         let (samples, rate) = (motion.dq.len(), recording.sample_rate_hz);
         let moving = moving_samples(&motion.dq, MOVING, STILL)?;
         let fits_torques = self.settings.all_methods().iter().any(|m| m.response() == Response::Torque);
-        let of_end = |range: Range<usize>| accelerates(&motion.ddq.window(range), &peaks(&motion.ddq));
-        let accelerates_at = near_ends(samples, rate, options.cutoff_hz).map(|range| fits_torques && of_end(range));
-        window_of(MotionOfRecording { moving, accelerates_at, samples }, rate, &options)
+        let window = |moving: &Range<usize>, accelerates_at| {
+            window_of(MotionOfRecording { moving: moving.clone(), accelerates_at, samples }, rate, &options)
+        };
+        let stated = window(&moving, [false; 2])?;
+        let largest = peaks(&motion.ddq.window(stated));
+        let of_end = |range: Range<usize>| accelerates(&motion.ddq.window(range), &largest);
+        window(&moving, near_ends(samples, rate, options.cutoff_hz).map(|range| fits_torques && of_end(range)))
     }
 
     /// The torques of the known payload that a recording carries: `phi(q, dq, ddq)` times what it adds to the parameters.
@@ -172,7 +176,7 @@ pub(crate) fn near_ends(samples: usize, sample_rate_hz: f64, cutoff_hz: f64) -> 
     [distorted..2 * distorted, samples - 2 * distorted..samples - distorted]
 }
 
-/// Whether a joint accelerates in some samples, compared with its largest acceleration.
+/// Whether a joint accelerates in some samples, compared with its largest acceleration in the window.
 pub(crate) fn accelerates(ddq: &Series, largest: &[f64]) -> bool {
     peaks(ddq).iter().zip(largest).any(|(found, largest)| *found > ACCELERATING * largest)
 }

@@ -58,8 +58,11 @@ impl<'a> Survey<'a> {
         if signal.window_start_s.is_none() || reaches_ends(&of(0..samples, [false; 2])?) {
             self.look_at(self.pieces.all())?;
             let peaks: Vec<&[f64]> = self.looks.values().map(|look| &look.peaks[..]).collect();
+            let moving = self.pieces.moving(&peaks)?;
+            let largest = self.largest_accelerations(&of(moving.clone(), [false; 2])?)?;
             let [start, end] = near_ends(samples, rate, signal.cutoff_hz);
-            return of(self.pieces.moving(&peaks)?, [self.accelerates(&start)?, self.accelerates(&end)?]);
+            let [at_start, at_end] = [self.pieces.acceleration(&start)?, self.pieces.acceleration(&end)?];
+            return of(moving, [accelerates(&at_start, &largest), accelerates(&at_end, &largest)]);
         }
         let window = of(0..samples, [false; 2])?;
         if source.has_stamps() {
@@ -69,11 +72,11 @@ impl<'a> Survey<'a> {
         Ok(window)
     }
 
-    /// Whether a joint accelerates in a range of samples, once all pieces were looked at.
-    fn accelerates(&self, range: &Range<usize>) -> Result<bool, ReductionError> {
+    /// The largest acceleration of each joint in a window.
+    fn largest_accelerations(&mut self, window: &Range<usize>) -> Result<Vec<f64>, ReductionError> {
         let joints = self.pieces.experiment.robot.coordinate_count();
-        let largest = |j: usize| self.looks.values().map(|look| look.accelerations[j]).fold(0.0, f64::max);
-        Ok(accelerates(&self.pieces.acceleration(range)?, &(0..joints).map(largest).collect::<Vec<_>>()))
+        let looks = self.look_in(window)?;
+        Ok((0..joints).map(|j| looks.iter().map(|look| look.accelerations[j]).fold(0.0, f64::max)).collect())
     }
 
     fn check_stamps(&self, range: &Range<usize>) -> Result<(), ReductionError> {
@@ -96,15 +99,21 @@ impl<'a> Survey<'a> {
     /// The sum of the squares of what the position filter takes off in a window. Pieces inside it that were looked at for the
     /// window itself are not read again.
     fn squares_taken_off(&mut self, window: &Range<usize>, joints: usize) -> Result<Vec<f64>, ReductionError> {
+        let looks = self.look_in(window)?;
+        let mut squares = vec![0.0; joints];
+        for look in looks {
+            squares.iter_mut().zip(&look.taken_off).for_each(|(sum, s)| *sum += s);
+        }
+        Ok(squares)
+    }
+
+    /// Looks at the parts of all pieces in a window.
+    fn look_in(&mut self, window: &Range<usize>) -> Result<Vec<&Look>, ReductionError> {
         let inside = |piece: Range<usize>| piece.start.max(window.start)..piece.end.min(window.end);
         let parts: Vec<Range<usize>> = self.pieces.all().into_iter().map(inside).filter(|p| !p.is_empty()).collect();
         let unknown = parts.iter().filter(|part| !self.looks.contains_key(&key(part))).cloned().collect();
         self.look_at(unknown)?;
-        let mut squares = vec![0.0; joints];
-        for look in parts.iter().filter_map(|part| self.looks.get(&key(part))) {
-            squares.iter_mut().zip(&look.taken_off).for_each(|(sum, s)| *sum += s);
-        }
-        Ok(squares)
+        Ok(parts.iter().filter_map(|part| self.looks.get(&key(part))).collect())
     }
 
     fn look_at(&mut self, ranges: Vec<Range<usize>>) -> Result<(), ReductionError> {

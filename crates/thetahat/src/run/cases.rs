@@ -7,6 +7,7 @@ use super::{
     curves,
     estimation_data::EstimationData,
     examination::{ExaminationModel, compare, examine, examine_robot, with_filter_explained, with_note},
+    explained_by_model::with_model_explained,
     identification::{CaseProblem, Identification},
     parameters::{elimination_result, not_separated},
     prepared::{PreparedRecording, filtered},
@@ -88,7 +89,10 @@ impl Identification {
         }
         progress("choosing the model");
         match self.model(&problems[0].problem, &results.runs)? {
-            Ok(model) => results.model = Some(model),
+            Ok(model) => {
+                with_model_explained(&mut results.findings, &model);
+                results.model = Some(model);
+            }
             Err(why) => results.no_model = Some(why),
         }
         judge(&mut results);

@@ -22,6 +22,7 @@ mod continued;
 mod curves;
 mod estimation_data;
 mod examination;
+mod explained_by_model;
 mod hidden_bias;
 mod identification;
 mod linear;

@@ -137,11 +137,17 @@ pub const FINDINGS: [[&str; 4]; 41] = [
     ],
     [
         "position-quantised",
-        "warning",
-        "noise of the acceleration, after a suitable filter and the decimation, that the position's steps cause ({checks/motion/resolution STEP_LIMIT_PERCENT} %)",
+        "warning, note",
+        "noise of the acceleration, after a suitable filter and the decimation, that the position's steps cause ({checks/motion/resolution STEP_LIMIT_PERCENT} %). A note where it moves no estimate of the model by a tenth of its interval",
         "record the encoder's own counts, or lower `cutoff_hz`",
     ],
     ["position-spikes", "warning, note", "as `torque-spikes`", "as `torque-spikes`"],
+    [
+        "position-jump",
+        "problem, warning",
+        "a step of a position that stays, {checks/motion/jumps TIMES} times the steps around it, percent of the joint's span ({checks/motion/jumps FOUND_PERCENT} %). A problem above {checks/motion/jumps USABLE_PERCENT} %",
+        "cut the file there and run `thetahat init` with one part, or with both where most joints jump",
+    ],
     [
         "velocity-mismatch",
         "warning, note",
@@ -205,7 +211,7 @@ pub const FINDINGS: [[&str; 4]; 41] = [
     [
         "torque-idle",
         "problem, warning",
-        "moving samples at which the drive's signal is one value ({checks/motion/levels IDLE_LIMIT_PERCENT} %; a problem above {checks/motion/levels LOST_PERCENT} %)",
+        "moving samples at which the drive's signal is one value ({checks/motion/levels IDLE_LIMIT_PERCENT} %; a problem above {checks/motion/levels LOST_PERCENT} %), or a stretch of {checks/motion/levels FEWEST_FROZEN} samples or more without a change, in which the joint moves ({checks/motion/levels FROZEN_LIMIT_PERCENT} % of the window)",
         "record the torque at every sample",
     ],
     [

@@ -12,6 +12,8 @@ const GAP: f64 = 1.5;
 const EVEN: f64 = 0.05;
 /// Sample rates of recordings in Hz, for guessing the unit of a time.
 const RATES: std::ops::Range<f64> = 10.0..20_000.0;
+/// Sample rates in Hz that a unit in a name may give: by others the name is wrong.
+const POSSIBLE_RATES: std::ops::Range<f64> = 1.0..1e6;
 const SECONDS_PER_DAY: f64 = 86_400.0;
 /// Units of time, in the order in which they are tried.
 const UNITS: [Unit; 4] = [Unit::Second, Unit::Millisecond, Unit::Microsecond, Unit::Nanosecond];
@@ -25,6 +27,9 @@ pub struct TimeSummary {
     pub is_named: bool,
     /// The unit, by its name or otherwise such that the rate is between 10 Hz and 20 kHz. For a bag it is the second.
     pub unit: Unit,
+    /// The unit in its name, where the rate by it is that of no recording of a motion.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contradicted_unit: Option<Unit>,
     /// Samples per second: one divided by the usual step, which is the time without gaps divided by its steps.
     pub rate_hz: f64,
     /// Root mean square of the deviations of steps from the usual step, without gaps, relative to it.
@@ -99,11 +104,12 @@ fn time(column: &Column, in_seconds: bool, is_named: bool) -> Option<TimeSummary
         return None;
     }
     let is_in_seconds = (in_seconds && is_of_message(&column.name)) || column.in_seconds;
-    let unit = if is_in_seconds { Unit::Second } else { unit(&column.name, step) };
+    let (unit, contradicted_unit) = if is_in_seconds { (Unit::Second, None) } else { unit(&column.name, step) };
     Some(TimeSummary {
         column: column.name.clone(),
         is_named,
         unit,
+        contradicted_unit,
         rate_hz: 1.0 / (step * unit.to_si()),
         jitter_rms,
         jitter_max,
@@ -149,12 +155,18 @@ fn gaps(steps: &[f64], period: f64, unit: Unit) -> Vec<Gap> {
     long.map(gap).collect()
 }
 
-/// The unit in a name such as `t_ms` or `time [us]`; otherwise the first that gives the rate of a recording.
-fn unit(name: &str, period: f64) -> Unit {
+/// The unit in a name such as `t_ms` or `time [us]`; otherwise, and where the rate by it is that of no recording, the first that
+/// gives the rate of one. Then the unit in the name, which is contradicted.
+fn unit(name: &str, period: f64) -> (Unit, Option<Unit>) {
     let word = name.trim_end_matches([']', ')']).rsplit(['_', ' ', '[', '(', '/']).next().unwrap_or_default();
+    let rate = |unit: &Unit| 1.0 / (period * unit.to_si());
     let named = UNITS.into_iter().find(|unit| name != word && unit.symbol() == word);
-    let likely = || UNITS.into_iter().find(|unit| RATES.contains(&(1.0 / (period * unit.to_si()))));
-    named.or_else(likely).unwrap_or(Unit::Second)
+    let likely = UNITS.into_iter().find(|unit| RATES.contains(&rate(unit)));
+    match (named, likely) {
+        (Some(named), Some(likely)) if !POSSIBLE_RATES.contains(&rate(&named)) => (likely, Some(named)),
+        (Some(unit), _) | (None, Some(unit)) => (unit, None),
+        (None, None) => (Unit::Second, None),
+    }
 }
 
 #[cfg(test)]
@@ -171,6 +183,8 @@ mod tests {
         for name in ["q1", "stampede", "Temperatur [C]", "/joint_states/a/position"] {
             assert!(!is_named(name), "{name}");
         }
-        assert_eq!(unit("Zeitstempel [ms]", 2.0), Unit::Millisecond);
+        assert_eq!(unit("Zeitstempel [ms]", 2.0), (Unit::Millisecond, None));
+        assert_eq!(unit("time_s", 2.0), (Unit::Millisecond, Some(Unit::Second)));
+        assert_eq!(unit("time_s", 0.5), (Unit::Second, None));
     }
 }

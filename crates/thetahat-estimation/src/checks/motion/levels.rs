@@ -1,11 +1,14 @@
 //! Torques with few different values: coarse, unequal steps, or one value for most of the time.
 
+use std::ops::Range;
+
 use crate::checks::{
     examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::span,
     signals::Signals,
 };
+use crate::statistics::quantile;
 
 /// Values this close, relative to the span, are the same: the conversion to the motor side rounds.
 const SAME: f64 = 1e-7;
@@ -17,6 +20,13 @@ const SAMPLES_PER_VALUE: f64 = 20.0;
 const MOVING: f64 = 0.05;
 /// Percent of the moving samples at one value: the clean recordings have at most 0.2.
 const IDLE_LIMIT_PERCENT: f64 = 30.0;
+/// Percent of the window in which the signal does not change: it moves no estimate by more.
+const FROZEN_LIMIT_PERCENT: f64 = 0.5;
+/// Fewest samples of a stretch without a change, and how much longer it is than usual ones: those of a coarse signal.
+const FEWEST_FROZEN: usize = 50;
+const LONG_RUN: f64 = 10.0;
+/// Part of the stretches that are usual.
+const USUAL_RUN: f64 = 0.99;
 /// Percent above which too little of the torque is left for an estimate.
 const LOST_PERCENT: f64 = 60.0;
 
@@ -29,6 +39,7 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, signals: &Signals) {
         let moving: Vec<f64> = (0..drive.len()).filter(moving).map(|k| drive[k]).collect();
         if span(&drive) > 0.0 && !idle(exam, j, &moving) {
             few_values(exam, j, &drive);
+            frozen(exam, signals, j, &drive);
         }
     }
 }
@@ -53,6 +64,60 @@ fn idle(exam: &mut Examination<'_>, j: usize, moving: &[f64]) -> bool {
                       a coarse resolution";
         FindingText::new(message, remedy).about(parameters)
     })
+}
+
+/// Checks for a stretch of time in which the joint moves and the drive signal does not change.
+fn frozen(exam: &mut Examination<'_>, signals: &Signals, j: usize, drive: &[f64]) {
+    let runs = runs(drive);
+    let lengths: Vec<f64> = runs.iter().map(|run| run.len() as f64).collect();
+    let usual = quantile(&lengths, USUAL_RUN);
+    let speed = |run: &Range<usize>| {
+        run.clone().map(|k| signals.dq.sample(k)[j].abs()).sum::<f64>() / run.len() as f64 / signals.peak[j]
+    };
+    // A drive at its limit is another finding.
+    let extremes = [f64::min, f64::max].map(|of| drive.iter().copied().fold(drive[0], of));
+    let is_frozen = |run: &&Range<usize>| {
+        !extremes.contains(&drive[run.start])
+            && run.len() >= FEWEST_FROZEN
+            && run.len() as f64 > LONG_RUN * usual
+            && speed(run) > MOVING
+    };
+    let frozen: Vec<&Range<usize>> = runs.iter().filter(is_frozen).collect();
+    let Some(longest) = frozen.iter().max_by_key(|run| run.len()) else { return };
+    let value = 100.0 * frozen.iter().map(|run| run.len()).sum::<usize>() as f64 / drive.len() as f64;
+    let evidence = Evidence {
+        code: Code::TorqueIdle,
+        coordinate: Some(j),
+        value,
+        unit: "% of the window",
+        limit: FROZEN_LIMIT_PERCENT,
+    };
+    let (number, start) = (exam.subject.joint_number(j), exam.subject.signal.window.start);
+    let [from_s, to_s] = [longest.start, longest.end].map(|k| (k + start) as f64 / exam.subject.sample_rate_hz);
+    let parameters = exam.subject.parameter_names_of(j);
+    exam.judge(evidence, Severity::Warning, || {
+        let message = format!(
+            "joint {number}: the drive signal is {} from {from_s:.3} to {to_s:.3} s, while the joint moves: it was not recorded \
+             there",
+            drive[longest.start]
+        );
+        let remedy = format!(
+            "identify the part before or after it alone, by window_end_s = {from_s:.3} or window_start_s = {to_s:.3} in [signal]"
+        );
+        FindingText::new(message, remedy).about(parameters)
+    });
+}
+
+/// The stretches of equal values, one after the other.
+fn runs(values: &[f64]) -> Vec<Range<usize>> {
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for k in 0..values.len() {
+        match runs.last_mut().filter(|run| values[run.start] == values[k]) {
+            Some(run) => run.end = k + 1,
+            None => runs.push(k..k + 1),
+        }
+    }
+    runs
 }
 
 /// Checks for few values in many samples, in equal steps or not.
@@ -94,6 +159,12 @@ fn levels(values: &[f64]) -> Vec<(f64, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn equal_values_in_a_row_are_runs() {
+        assert_eq!(runs(&[1.0, 1.0, 2.0, 1.0]), [0..2, 2..3, 3..4]);
+        assert!(runs(&[]).is_empty());
+    }
 
     #[test]
     fn values_that_differ_by_rounding_are_one_level() {

@@ -2,6 +2,7 @@
 
 pub(in crate::checks) mod dither;
 pub(in crate::checks) mod excitation;
+pub(in crate::checks) mod jumps;
 pub(in crate::checks) mod levels;
 pub(in crate::checks) mod position_range;
 pub(in crate::checks) mod repeats;

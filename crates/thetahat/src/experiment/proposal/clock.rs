@@ -8,6 +8,7 @@ use super::{
     text::{ProposedChannels, ProposedClock},
 };
 use thetahat_data::recording::{Side, TimeSummary};
+use thetahat_ground::number::significant;
 
 /// Largest part of the rate by which a stated rate may differ from that of the times.
 pub(super) const RATE_TOLERANCE: f64 = 0.01;
@@ -75,8 +76,12 @@ fn stated(rate_hz: f64, times: Option<(Source<'_>, &TimeSummary)>) -> Result<Pro
 
 fn recorded(source: &Source<'_>, time: &TimeSummary) -> ProposedClock {
     let [rms, largest] = [time.jitter_rms, time.jitter_max].map(|j| 100.0 * j);
+    let unit = time.contradicted_unit.map_or_else(String::new, |named| {
+        let rate = significant(time.rate_hz * time.unit.to_si() / named.to_si(), 3);
+        format!("; unit a guess: the name says {}, by which the rate is {rate} Hz", named.symbol())
+    });
     let comment = format!(
-        "{} Hz; its steps deviate by {rms:.2} % rms, {largest:.2} % at most; {} gaps.",
+        "{} Hz; its steps deviate by {rms:.2} % rms, {largest:.2} % at most; {} gaps{unit}.",
         (1e6 * time.rate_hz).round() / 1e6,
         time.gaps.len(),
     );

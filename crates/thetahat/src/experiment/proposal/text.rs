@@ -198,8 +198,10 @@ impl Proposal {
     pub fn guesses(&self) -> Vec<String> {
         let of_recording = |recording: &ProposedRecording| {
             let place = recording.name.iter().map(|name| format!("{name}: ")).collect::<String>();
-            let channels = recording.channels.iter().filter(|(_, channels)| channels.comment.contains(GUESS));
-            channels.map(|(signal, channels)| format!("{place}{signal}: {}", channels.assumption())).collect::<Vec<_>>()
+            let time = recording.clock.time.iter().map(|time| ("time", time));
+            let channels = recording.channels.iter().map(|(signal, channels)| (*signal, channels));
+            let guessed = time.chain(channels).filter(|(_, channels)| channels.comment.contains(GUESS));
+            guessed.map(|(signal, channels)| format!("{place}{signal}: {}", channels.assumption())).collect::<Vec<_>>()
         };
         let locks = self.locks.iter().filter(|lock| lock.why.contains(GUESS));
         let locks = locks.map(|lock| format!("{} is locked at {}: {}", lock.joint, lock.value, lock.why));

@@ -1,0 +1,86 @@
+//! Findings on the filter of the positions that the model answers.
+
+use thetahat_estimation::checks::{Code, Finding, Severity};
+use thetahat_report::results::{ModelResult, RecordingFindings};
+
+/// Part of the torque that a wider filter would explain from which the model's error shows nothing of it.
+const NOTHING_MISSING: f64 = 0.25;
+/// Largest noise of the accelerations that is judged by what it does to estimates, percent: at more, predictions have it too.
+const MOST_NOISE_PERCENT: f64 = 10.0;
+/// Part of half an interval by which noise of the accelerations may move an estimate.
+const MOVED: f64 = 0.1;
+
+/// The findings as they are with a model: motion that the filter removes is in the model's error, and a part r of noise in the
+/// accelerations takes the part r^2 off the estimates.
+pub(super) fn with_model_explained(findings: &mut [RecordingFindings], model: &ModelResult) {
+    let estimates = model.parameters.iter().filter_map(|p| Some((p.value, p.interval_95?)));
+    let estimates: Vec<Estimate> = estimates.collect();
+    let of_recordings = findings.iter_mut().filter(|f| !f.held_back);
+    of_recordings.flat_map(|of| &mut of.findings).for_each(|f| explain(f, model.fit.percent, &estimates));
+}
+
+/// A value with its interval.
+type Estimate = (f64, [f64; 2]);
+
+fn explain(finding: &mut Finding, error_percent: f64, estimates: &[Estimate]) {
+    let is_noise = matches!(finding.code, Code::PositionQuantised | Code::CutoffHigh);
+    let why = if finding.code == Code::CutoffLow && error_percent < NOTHING_MISSING * finding.value {
+        format!("the model's error on the same recording is {error_percent:.2} %: no motion is missing in it")
+    } else if is_noise && finding.value < MOST_NOISE_PERCENT && moves_nothing(finding.value / 100.0, estimates) {
+        "no estimate is moved by a tenth of its interval".to_owned()
+    } else {
+        return;
+    };
+    finding.severity = Severity::Note;
+    finding.message += &format!("; {why}");
+    finding.remedy = "nothing to do".to_owned();
+    finding.step = None;
+}
+
+/// Whether the intervals are wide against what noise takes off the estimates.
+fn moves_nothing(noise: f64, estimates: &[Estimate]) -> bool {
+    let is_small = |(value, [low, high]): &Estimate| noise.powi(2) * value.abs() < MOVED * (high - low) / 2.0;
+    !estimates.is_empty() && estimates.iter().all(is_small)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The severity of a finding after it was explained by a model with an error of 0.8 % and one estimate of 1 +- 0.01.
+    fn explained(code: Code, value: f64) -> Severity {
+        let mut finding = Finding {
+            code,
+            severity: Severity::Warning,
+            joint: None,
+            joint_name: None,
+            value,
+            unit: "%".to_owned(),
+            limit: Some(2.0),
+            message: "found".to_owned(),
+            remedy: "do".to_owned(),
+            parameters: Vec::new(),
+            step: None,
+        };
+        explain(&mut finding, 0.8, &[(1.0, [0.99, 1.01])]);
+        assert_eq!(finding.message.contains(';'), finding.severity == Severity::Note);
+        finding.severity
+    }
+
+    /// 8 % of the torques cannot be missing where 0.8 % are, 3 % can; 2.3 % of noise take 0.05 % off an estimate, a twentieth of
+    /// its interval, 4 % take 0.16 % off.
+    #[test]
+    fn a_finding_stays_where_the_model_does_not_answer_it() {
+        assert_eq!(explained(Code::CutoffLow, 8.0), Severity::Note);
+        assert_eq!(explained(Code::CutoffLow, 3.0), Severity::Warning);
+        assert_eq!(explained(Code::PositionQuantised, 2.3), Severity::Note);
+        assert_eq!(explained(Code::CutoffHigh, 4.0), Severity::Warning);
+        assert_eq!(explained(Code::Lag, 8.0), Severity::Warning);
+    }
+
+    #[test]
+    fn noise_is_not_judged_without_intervals_or_where_it_is_large() {
+        assert!(!moves_nothing(0.01, &[]));
+        assert_eq!(explained(Code::PositionQuantised, 20.0), Severity::Warning);
+    }
+}
