@@ -31,13 +31,14 @@ enum Signal {
     Torque,
     Velocity,
     Reference,
-    AddedSignal,
+    #[serde(rename = "added_signal")]
+    Added,
     TimeStamps,
 }
 
 /// In the order of the file.
 const SIGNALS: [Signal; 6] =
-    [Signal::Position, Signal::Torque, Signal::Velocity, Signal::Reference, Signal::AddedSignal, Signal::TimeStamps];
+    [Signal::Position, Signal::Torque, Signal::Velocity, Signal::Reference, Signal::Added, Signal::TimeStamps];
 
 impl Signal {
     fn of(self, recording: &Recording) -> Option<&[f64]> {
@@ -46,7 +47,7 @@ impl Signal {
             Self::Torque => recording.torque.as_ref(),
             Self::Velocity => recording.velocity.as_ref(),
             Self::Reference => recording.reference.as_ref(),
-            Self::AddedSignal => recording.added_signal.as_ref(),
+            Self::Added => recording.added_signal.as_ref(),
             Self::TimeStamps => return recording.time_stamps_s.as_deref(),
         };
         series.map(Series::values)
@@ -58,7 +59,7 @@ impl Signal {
             Self::Torque => recording.torque = Some(Series::shaped(joints, values)),
             Self::Velocity => recording.velocity = Some(Series::shaped(joints, values)),
             Self::Reference => recording.reference = Some(Series::shaped(joints, values)),
-            Self::AddedSignal => recording.added_signal = Some(Series::shaped(joints, values)),
+            Self::Added => recording.added_signal = Some(Series::shaped(joints, values)),
             Self::TimeStamps => recording.time_stamps_s = Some(values),
         }
     }
@@ -66,7 +67,7 @@ impl Signal {
     /// Numbers of each sample.
     fn channels(self, joints: usize) -> usize {
         match self {
-            Self::Position | Self::Torque | Self::Velocity | Self::Reference | Self::AddedSignal => joints,
+            Self::Position | Self::Torque | Self::Velocity | Self::Reference | Self::Added => joints,
             Self::TimeStamps => 1,
         }
     }

@@ -17,8 +17,8 @@ const TIMES: f64 = 6.0;
 const AROUND: usize = 8;
 /// Steps of a quantised position in a jump: a joint that hardly moves has single ones.
 const COUNTS: f64 = 4.0;
-/// Samples to each side over which the motion goes on as before: positions that are held and then catch up do not jump.
-const BESIDE: usize = 32;
+/// Samples to each side over which the motion continues as before: positions that are held and then catch up do not jump.
+const ACROSS: usize = 32;
 /// Part of a jump by which the motion across it must be longer than on its sides.
 const LASTING: f64 = 0.5;
 /// Most jumps of a joint: more are the logger's or the encoder's way.
@@ -99,11 +99,11 @@ fn jumps_of(x: &[f64]) -> Vec<Jump> {
     };
     let excess = |k: usize| {
         let over = |from: usize, to: usize| x[to] - x[from];
-        over(k - 1 - BESIDE, k + BESIDE)
-            - over(k - 2 - 3 * BESIDE, k - 1 - BESIDE) / 2.0
-            - over(k + BESIDE, k + 1 + 3 * BESIDE) / 2.0
+        over(k - 1 - ACROSS, k + ACROSS)
+            - over(k - 2 - 3 * ACROSS, k - 1 - ACROSS) / 2.0
+            - over(k + ACROSS, k + 1 + 3 * ACROSS) / 2.0
     };
-    let reach = 2 + 3 * BESIDE;
+    let reach = 2 + 3 * ACROSS;
     let is_jump = |&k: &usize| {
         let size = step(k).abs();
         size > least && size > TIMES * largest_around(k) && excess(k) * step(k).signum() > LASTING * size

@@ -37,8 +37,7 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, signals: &Signals) {
         let drive = drives.channel(j);
         let moving = |k: &usize| signals.dq.sample(*k)[j].abs() > MOVING * signals.peak[j];
         let moving: Vec<f64> = (0..drive.len()).filter(moving).map(|k| drive[k]).collect();
-        if span(&drive) > 0.0 && !idle(exam, j, &moving) {
-            few_values(exam, j, &drive);
+        if span(&drive) > 0.0 && !idle(exam, j, &moving) && !few_values(exam, j, &drive) {
             frozen(exam, signals, j, &drive);
         }
     }
@@ -121,10 +120,10 @@ fn runs(values: &[f64]) -> Vec<Range<usize>> {
 }
 
 /// Checks for few values in many samples, in equal steps or not.
-fn few_values(exam: &mut Examination<'_>, j: usize, drive: &[f64]) {
+fn few_values(exam: &mut Examination<'_>, j: usize, drive: &[f64]) -> bool {
     let values = levels(drive).len() as f64;
     if values * SAMPLES_PER_VALUE > drive.len() as f64 {
-        return;
+        return false;
     }
     let evidence = Evidence {
         code: Code::TorqueQuantised,
@@ -138,7 +137,7 @@ fn few_values(exam: &mut Examination<'_>, j: usize, drive: &[f64]) {
         let message =
             format!("joint {number}: the torque has only {values} different values in {} samples", drive.len());
         FindingText::new(message, "record more digits, or a finer current range")
-    });
+    })
 }
 
 /// The different values with their numbers of samples, ascending.

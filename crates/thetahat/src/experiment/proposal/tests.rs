@@ -89,8 +89,11 @@ fn too_many_columns_of_a_kind_are_not_chosen_from() {
 fn proposed_from(files: &[(&str, &str)], request: ProposalRequest, robot: &str) -> Result<Proposal, ProposalError> {
     let folder = thetahat_testing::Folder::new();
     let row = |header: &str, k: usize| {
-        let value =
-            |c: usize, name: &str| if name == "t" { k as f64 * 1e-3 } else { (0.1 * k as f64 + c as f64).sin() };
+        let value = |c: usize, name: &str| match name {
+            "t" => k as f64 * 1e-3,
+            "time_s" => k as f64 * 2.0,
+            _ => (0.1 * k as f64 + c as f64).sin(),
+        };
         header.split(',').enumerate().map(|(c, name)| value(c, name).to_string()).collect::<Vec<_>>().join(",") + "\n"
     };
     for (name, header) in files {
@@ -379,6 +382,15 @@ fn guesses_are_listed() {
     let stated =
         ProposalRequest { position_unit: Some(Unit::Radian), torque_unit: Some(Unit::NewtonMetre), ..request() };
     assert!(proposed_from(&[("log.csv", "t,q1,q2,tau1,tau2")], stated, ARM).unwrap().guesses().is_empty());
+}
+
+/// Half a sample a second is no rate of a moving robot: the times are in ms, whatever their name says.
+#[test]
+fn a_unit_in_the_name_of_a_time_that_cannot_be_is_a_guess() {
+    let proposal = proposed_from(&[("log.csv", "time_s,q1,q2,tau1,tau2")], request(), ARM).unwrap();
+    let [time, ..] = &proposal.guesses()[..] else { panic!("no guess") };
+    assert!(time.starts_with("time: we assumed ms (the name says s, by which the rate is 0.500 Hz)"), "{time}");
+    assert!((proposal.recordings[0].clock.rate_hz - 500.0).abs() < 1e-9);
 }
 
 const SCARA: &str = "name = 'scara'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n[[joint]]\nname = 'b'\nkind = 'prismatic'\n\

@@ -162,7 +162,10 @@ fn samples() -> Vec<Corruption> {
 }
 
 fn values() -> Vec<Corruption> {
-    use Code::{PositionQuantised, PositionSpikes, TorqueConstant, TorqueQuantised, TorqueSaturated, TorqueSpikes};
+    use Code::{
+        PositionJump, PositionQuantised, PositionSpikes, TorqueConstant, TorqueIdle, TorqueQuantised, TorqueSaturated,
+        TorqueSpikes,
+    };
     vec![
         with("torque 2 limited to 60 % of its peak", TorqueSaturated, 2, |r| limit(&mut r.torque, 2, 0.6)),
         with("torque 4 limited to 80 % of its peak", TorqueSaturated, 4, |r| limit(&mut r.torque, 4, 0.8)),
@@ -176,6 +179,13 @@ fn values() -> Vec<Corruption> {
         with("torque 5 zero throughout", TorqueConstant, 5, |r| set(&mut r.torque, 5, |_, _| 0.0)),
         with("six outliers in position 2", PositionSpikes, 2, |r| {
             (0..6).for_each(|i| r.position.sample_mut(4000 + 5000 * i)[1] += 0.3);
+        }),
+        with("an encoder of joint 3 that slips by 0.1 rad", PositionJump, 3, |r| {
+            set(&mut r.position, 3, |k, q| if k < 20_000 { q } else { q - 0.1 });
+        }),
+        with("torque 2 not recorded for 1.2 s", TorqueIdle, 2, |r| {
+            let held = r.torque.sample(15_000)[1];
+            set(&mut r.torque, 2, |k, tau| if (15_000..21_000).contains(&k) { held } else { tau });
         }),
         with("six outliers in torque 3", TorqueSpikes, 3, |r| {
             let size = 3.0 * peak(&r.torque, 3);
