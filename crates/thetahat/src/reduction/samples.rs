@@ -2,24 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::value::ReducedRecording;
 use crate::preparation::Recording;
 use thetahat_data::recording::Resampling;
 use thetahat_estimation::trajectory::Moves;
 use thetahat_ground::series::Series;
 
 /// Numbers of the samples of all recordings up to which they are kept.
-const MOST_NUMBERS: usize = 1 << 22;
-
-/// Whether the samples of recordings are kept: each has its own, and all together are few.
-pub(super) fn are_kept(recordings: &[ReducedRecording]) -> bool {
-    let numbers = |r: &ReducedRecording| r.samples_kept.as_ref().map(|samples| numbers(samples));
-    let all: Option<usize> = recordings.iter().map(numbers).sum();
-    all.is_some_and(|all| all <= MOST_NUMBERS)
-}
+pub(super) const MOST_NUMBERS_KEPT: usize = 1 << 22;
 
 /// The numbers of a recording's series.
-fn numbers(recording: &Recording) -> usize {
+pub(super) fn numbers(recording: &Recording) -> usize {
     SIGNALS.iter().filter_map(|signal| signal.of(recording)).map(<[f64]>::len).sum()
 }
 

@@ -185,7 +185,7 @@ impl Reduction {
     /// Keeps factors in the place of rows where all recordings have too many, and few segments of many recordings: how few
     /// follows from the number of recordings alone. Samples are kept of all recordings or of none.
     fn coarsen(&mut self) {
-        if !samples::are_kept(&self.recordings) {
+        if !self.keeps_samples() {
             self.recordings.iter_mut().for_each(|recording| recording.samples_kept = None);
         }
         let of_row: usize = self.identity.acting.iter().map(|acting| self.matrices() * acting.len() + 1).sum();
@@ -196,6 +196,13 @@ impl Reduction {
                 recording.kept = KeptRows::Factors(coarsened(recording.kept.segments().into_owned(), most));
             }
         }
+    }
+
+    /// Whether each recording has its samples, and all together are few.
+    fn keeps_samples(&self) -> bool {
+        let numbers = |r: &ReducedRecording| r.samples_kept.as_deref().map(samples::numbers);
+        let all: Option<usize> = self.recordings.iter().map(numbers).sum();
+        all.is_some_and(|all| all <= samples::MOST_NUMBERS_KEPT)
     }
 
     /// X, and Z where there are instruments.
