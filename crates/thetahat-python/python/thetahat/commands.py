@@ -351,6 +351,7 @@ def reduce(
     data: _Path | None = None,
     robot: _Path | None = None,
     instruments_from: _Path | None = None,
+    rows_only: bool = False,
     threads: int | None = None,
     force: bool = False,
 ) -> Path:
@@ -366,10 +367,14 @@ def reduce(
         As for :func:`thetahat.run`.
     instruments_from : path, optional
         A ``results.json`` whose estimates simulate the instruments of IDIM-IV.
+    rows_only : bool
+        Keep rows alone: :func:`solve` then gives neither a model nor IDIM-IV without instruments.
     threads, force
         As for :func:`design`.
     """
-    chosen = options(data=data, robot=robot, instruments_from=instruments_from, threads=threads, force=force)
+    chosen = options(
+        data=data, robot=robot, instruments_from=instruments_from, rows_only=rows_only, threads=threads, force=force
+    )
     run("reduce", experiment, *options(out=out), *chosen)
     return Path(out)
 

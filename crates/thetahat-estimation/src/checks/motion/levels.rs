@@ -20,8 +20,8 @@ const SAMPLES_PER_VALUE: f64 = 20.0;
 const MOVING: f64 = 0.05;
 /// Percent of the moving samples at one value: the clean recordings have at most 0.2.
 const IDLE_LIMIT_PERCENT: f64 = 30.0;
-/// Percent of the window in which the signal does not change: it moves no estimate by more.
-const FROZEN_LIMIT_PERCENT: f64 = 0.5;
+/// Percent of the window in which the signal does not change: drives rest at one value, up to 0.7 % of the recorded TX40.
+const FROZEN_LIMIT_PERCENT: f64 = 2.0;
 /// Fewest samples of a stretch without a change, and how much longer it is than usual ones: those of a coarse signal.
 const FEWEST_FROZEN: usize = 50;
 const LONG_RUN: f64 = 10.0;
