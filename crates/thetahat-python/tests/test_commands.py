@@ -79,7 +79,9 @@ def test_experiments_are_simulated_reduced_and_solved(checkout, tmp_path):
     th.init(tmp_path / "arm.urdf", tmp_path / "log.csv", out=tmp_path / "experiment.toml")
     reduced = th.reduce(tmp_path / "experiment.toml", tmp_path / "log.reduction")
     solved = th.solve(reduced)
-    assert "idim-ls" in solved and solved["idim-ls"].relative_error_percent < 2
+    assert solved.model is not None and solved["idim-wls"].relative_error_percent < 2
+    rows = th.solve(th.reduce(tmp_path / "experiment.toml", tmp_path / "rows.reduction", rows_only=True))
+    assert rows.model is None and rows["idim-ls"].relative_error_percent < 2
     with pytest.raises(th.ReductionError, match="cannot be read"):
         th.solve(tmp_path / "absent")
 
