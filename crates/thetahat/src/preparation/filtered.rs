@@ -67,9 +67,9 @@ impl Setup<'_> {
         let fixed_torque = self.fixed_torque(&whole, channels.clone());
         let known = payload_torque.iter().chain(&fixed_torque);
         let recording = known.fold(recording, Recording::less_torque);
-        let window = self.window(&recording, &whole)?;
+        let UsedWindow { samples: window, cut_at } = self.window(&recording, &whole)?;
         let Motion { q, dq, ddq } = whole;
-        let recording = with_note_of_ends(recording, &options, &window);
+        let recording = with_note_of_ends(recording, options.cutoff_hz, cut_at);
         let cut = |series: &Series| series.window(window.clone());
         let scale = self.settings.simulation.sign_velocity_scale;
         let recorded = [&recording.position, &q].map(cut);
@@ -80,7 +80,7 @@ impl Setup<'_> {
     }
 
     /// The window of a recording with this motion. One without motion is refused with a stated window as well.
-    pub(crate) fn window(&self, recording: &Recording, motion: &Motion) -> Result<Range<usize>, PreparationError> {
+    pub(crate) fn window(&self, recording: &Recording, motion: &Motion) -> Result<UsedWindow, PreparationError> {
         let options = self.settings.signal.in_window(recording.window_s);
         let (samples, rate) = (motion.dq.len(), recording.sample_rate_hz);
         let moving = moving_samples(&motion.dq, MOVING, STILL)?;
@@ -89,9 +89,11 @@ impl Setup<'_> {
             window_of(MotionOfRecording { moving: moving.clone(), accelerates_at, samples }, rate, &options)
         };
         let stated = window(&moving, [false; 2])?;
-        let largest = peaks(&motion.ddq.window(stated));
+        let largest = peaks(&motion.ddq.window(stated.clone()));
         let of_end = |range: Range<usize>| accelerates(&motion.ddq.window(range), &largest);
-        window(&moving, near_ends(samples, rate, options.cutoff_hz).map(|range| fits_torques && of_end(range)))
+        let accelerates_at = near_ends(samples, rate, options.cutoff_hz).map(|range| fits_torques && of_end(range));
+        let samples = window(&moving, accelerates_at)?;
+        Ok(UsedWindow { cut_at: [stated.start < samples.start, samples.end < stated.end], samples })
     }
 
     /// The torques of the known payload that a recording carries: `phi(q, dq, ddq)` times what it adds to the parameters.
@@ -149,6 +151,13 @@ pub(crate) fn torques(model: &Model, theta: &[f64], motion: &Motion, channels: O
     let given: Vec<f64> = columns.iter().map(|&i| theta[i]).collect();
     let Motion { q, dq, ddq } = motion;
     Regressor::new(model, &columns).with_channels(channels).torques(model, [q, dq, ddq], Sign::Exact, &given)
+}
+
+/// The window of a recording.
+pub(crate) struct UsedWindow {
+    pub(crate) samples: Range<usize>,
+    /// Whether the stated window lost samples at its start and at its end.
+    pub(crate) cut_at: [bool; 2],
 }
 
 /// When a recording moves.
@@ -213,14 +222,10 @@ pub(crate) fn window_of(
     Ok(start..end)
 }
 
-/// The same with a note where a stated window became shorter by the edges of the filter.
-fn with_note_of_ends(mut recording: Recording, options: &SignalOptions, window: &Range<usize>) -> Recording {
-    let (rate, samples) = (recording.sample_rate_hz, recording.position.len());
-    let sample = |t: f64| (t * rate).round() as usize;
-    let starts = options.window_start_s.is_some_and(|start| sample(start) < window.start);
-    let has_end = options.window_start_s.is_some() || options.window_end_s.is_some();
-    let ends = has_end && options.window_end_s.map_or(samples, sample) > window.end;
-    let ends_s = significant(distorted_samples(rate, options.cutoff_hz) as f64 / rate, 2);
+/// The same with a note where its stated window became shorter.
+fn with_note_of_ends(mut recording: Recording, cutoff_hz: f64, [starts, ends]: [bool; 2]) -> Recording {
+    let rate = recording.sample_rate_hz;
+    let ends_s = significant(distorted_samples(rate, cutoff_hz) as f64 / rate, 2);
     let note = |how: &str, which: &str| {
         format!(
             "the recording {how} in motion: its {which} {ends_s} s, where the position filter distorts accelerations, are not in the window"
@@ -367,8 +372,8 @@ mod tests {
         let moving = SignalOptions { window_start_s: None, window_end_s: None, ..options };
         assert_eq!(window(&moving, [false; 2]), 50..950);
         let recording = Recording::new(100.0, Series::zeros(1000, 1), Series::zeros(1000, 1));
-        let notes = |window: Range<usize>| with_note_of_ends(recording.clone(), &options, &window).notes.len();
-        assert_eq!([notes(10..990), notes(20..990), notes(20..980)], [0, 1, 2]);
+        let notes = |cut_at| with_note_of_ends(recording.clone(), 10.0, cut_at).notes.len();
+        assert_eq!([notes([false, false]), notes([true, false]), notes([true, true])], [0, 1, 2]);
     }
 
     #[test]

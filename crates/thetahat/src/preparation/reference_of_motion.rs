@@ -35,7 +35,7 @@ impl Setup<'_> {
         if let Some(good) = fits(GOOD_FIT) {
             return Ok(good);
         }
-        let window = self.window(recording, &motion)?;
+        let window = self.window(recording, &motion)?.samples;
         let options = &self.settings.signal;
         let (order, cutoff_hz) = (options.filter_order, options.cutoff_hz);
         let periodic = find_periodic(&motion.q, &window, LowPass { sample_rate_hz: rate, order, cutoff_hz });

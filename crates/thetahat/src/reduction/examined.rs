@@ -29,7 +29,7 @@ pub(super) struct Examined {
     /// Parts that were looked at one by one.
     pub parts: usize,
     pub folds: Option<RecordingFolds>,
-    /// The recording itself, where it was examined as a whole.
+    /// The recording itself, where it is kept.
     pub samples: Option<Box<Recording>>,
 }
 
@@ -39,6 +39,8 @@ pub(super) struct Examiner<'a> {
     model: &'a Model,
     base: &'a BaseParameters,
     estimated: BaseParameters,
+    /// Whether short recordings are kept themselves.
+    keeps_samples: bool,
     /// Recordings that are compared; none once they are too long together, or one was not examined as a whole.
     prepared: Option<Vec<PreparedRecording>>,
 }
@@ -48,10 +50,11 @@ impl<'a> Examiner<'a> {
         experiment: &'a Experiment,
         model: &'a Model,
         base: &'a BaseParameters,
+        keeps_samples: bool,
     ) -> Result<Self, ReductionError> {
         let basis = Basis { model: model.clone(), base: base.clone() };
         let estimated = experiment.setup().estimated(&basis).map_err(|e| experiment.refuse(e))?;
-        Ok(Self { experiment, model, base, estimated, prepared: Some(Vec::new()) })
+        Ok(Self { experiment, model, base, estimated, keeps_samples, prepared: Some(Vec::new()) })
     }
 
     /// What the checks find in a recording that was reduced; it has the place `number`, from one, in the experiment.
@@ -66,7 +69,7 @@ impl<'a> Examiner<'a> {
             return self.examine_parts(source, reduced);
         }
         let recording = source.complete(number, data)?;
-        let samples = Some(Box::new(recording.clone()));
+        let samples = self.keeps_samples.then(|| Box::new(recording.clone()));
         let prepared = self.prepare(recording)?;
         let findings = self.findings_of(&prepared);
         let folds = self.folds_of(&prepared, reduced);

@@ -46,16 +46,6 @@ impl Default for ReduceOptions {
     }
 }
 
-impl ReduceOptions {
-    /// What is kept of a recording.
-    fn kept(&self, recording: ReducedRecording) -> ReducedRecording {
-        match self.rows_only {
-            true => ReducedRecording { samples_kept: None, ..recording },
-            false => recording,
-        }
-    }
-}
-
 /// How far a reduction is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ReduceProgress {
@@ -111,21 +101,21 @@ impl Experiment {
         let mut reducer = Reducer::new(self, &model, &base, options);
         reducer.theta = theta;
         let mut reduction = reducer.nothing_yet();
-        let mut examiner = Examiner::new(self, &model, &base)?;
+        let mut examiner = Examiner::new(self, &model, &base, !options.rows_only)?;
         let recordings = self.file.recording.len().max(1);
         for (i, description) in self.file.recording.iter().enumerate() {
             let source = Source::open(self, description, (i + 1, data), reducer.theta.is_some())?;
             let mut report = |done, to_do| progress(ReduceProgress { recording: i + 1, recordings, done, to_do });
             let reduced = reducer.recording(&source, Some(description), &mut report)?;
             let examined = examiner.examine(&source, (i + 1, data), &reduced)?;
-            reduction.add(options.kept(reduced.examined(examined)))?;
+            reduction.add(reduced.examined(examined))?;
         }
         if let Some(twin) = &self.file.twin {
             let source = Source::of_recording(self, self.simulate_twin(twin)?);
             let mut report = |done, to_do| progress(ReduceProgress { recording: 1, recordings, done, to_do });
             let reduced = reducer.recording(&source, None, &mut report)?;
             let examined = examiner.examine(&source, (1, data), &reduced)?;
-            reduction.add(options.kept(reduced.examined(examined)))?;
+            reduction.add(reduced.examined(examined))?;
         }
         reduction.compared = examiner.compared(&reduction).into_iter().collect();
         Ok(reduction)

@@ -1,5 +1,7 @@
 //! The samples of short recordings, which an identification reads: their part of the file.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::preparation::Recording;
@@ -56,11 +58,13 @@ impl Signal {
         }
     }
 
-    /// Numbers of each sample.
-    fn channels(self, joints: usize) -> usize {
+    /// Whether so many numbers are whole samples.
+    fn has_whole_samples(self, numbers: usize, joints: usize) -> bool {
         match self {
-            Self::Position | Self::Torque | Self::Velocity | Self::Reference | Self::Added => joints,
-            Self::TimeStamps => 1,
+            Self::Position | Self::Torque | Self::Velocity | Self::Reference | Self::Added => {
+                numbers.is_multiple_of(joints)
+            }
+            Self::TimeStamps => true,
         }
     }
 }
@@ -68,8 +72,9 @@ impl Signal {
 /// What the header of the file says of a recording's samples; name, weight and hold of the torques stand with its rows.
 #[derive(Serialize, Deserialize)]
 pub(super) struct SamplesHeader {
-    samples: usize,
-    signals: Vec<Signal>,
+    /// With their numbers: time stamps are those of the samples before they were brought to equal steps.
+    signals: Vec<(Signal, usize)>,
+    gaps: Vec<Range<usize>>,
     sample_rate_hz: f64,
     window_s: [Option<f64>; 2],
     resampling: Option<Resampling>,
@@ -83,8 +88,8 @@ pub(super) struct SamplesHeader {
 impl SamplesHeader {
     pub(super) fn of(recording: &Recording) -> Self {
         Self {
-            samples: recording.position.len(),
-            signals: SIGNALS.into_iter().filter(|signal| signal.of(recording).is_some()).collect(),
+            signals: SIGNALS.into_iter().filter_map(|signal| Some((signal, signal.of(recording)?.len()))).collect(),
+            gaps: recording.gaps.clone(),
             sample_rate_hz: recording.sample_rate_hz,
             window_s: recording.window_s,
             resampling: recording.resampling,
@@ -96,16 +101,19 @@ impl SamplesHeader {
         }
     }
 
-    /// How many values stand in the file; none if its signals are not in order.
+    /// How many values stand in the file; none if there are no positions, or numbers that are no whole samples.
     pub(super) fn values(&self, joints: usize) -> Option<usize> {
-        let place = |signal: &Signal| SIGNALS.iter().position(|s| s == signal);
-        let is_in_order = self.signals.first() == Some(&Signal::Position) && self.signals.is_sorted_by_key(place);
-        let channels: usize = self.signals.iter().map(|signal| signal.channels(joints)).sum();
-        if is_in_order { self.samples.checked_mul(channels) } else { None }
+        let has_positions = self.signals.first().is_some_and(|(signal, _)| *signal == Signal::Position);
+        let mut all = self.signals.iter();
+        if !has_positions || !all.all(|(signal, numbers)| signal.has_whole_samples(*numbers, joints)) {
+            return None;
+        }
+        self.signals.iter().try_fold(0_usize, |sum, (_, numbers)| sum.checked_add(*numbers))
     }
 
     pub(super) fn read(self, joints: usize, next: &mut impl FnMut() -> f64) -> Recording {
         let mut recording = Recording {
+            gaps: self.gaps,
             window_s: self.window_s,
             resampling: self.resampling,
             contradicting_times: self.contradicting_times,
@@ -115,8 +123,8 @@ impl SamplesHeader {
             truth: self.truth,
             ..Recording::without_torque(self.sample_rate_hz, Series::zeros(0, joints))
         };
-        for signal in self.signals {
-            let values = (0..self.samples * signal.channels(joints)).map(|_| next()).collect();
+        for (signal, numbers) in self.signals {
+            let values = (0..numbers).map(|_| next()).collect();
             signal.set(&mut recording, values, joints);
         }
         recording

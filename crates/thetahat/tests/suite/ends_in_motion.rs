@@ -7,6 +7,8 @@ use thetahat::{Identification, Method, Recording, Results, Robot, Series, Settin
 const ROBOT: &str = "name = 'joint'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n";
 const RATE: f64 = 500.0;
 const SAMPLES: usize = 5000;
+/// Of an estimate, relative: 6.5e-4 is found up to the ends, and 0.32 where the distorted samples are in the window.
+const LARGEST_ERROR: f64 = 2e-3;
 /// zz1r, fv1, fc1, off1.
 const TRUTH: [f64; 4] = [0.7, 3.0, 1.5, 0.2];
 
@@ -46,5 +48,5 @@ fn a_window_up_to_the_ends_gives_the_estimates_of_one_inside() {
     };
     let [of_all, of_inside] = [error(&all), error(&inside)];
     println!("largest relative error: {of_all:.1e} up to the ends, {of_inside:.1e} inside");
-    assert!(of_all < 1.5 * of_inside + 0.01, "{of_all} {of_inside}");
+    assert!(of_all < LARGEST_ERROR && of_inside < LARGEST_ERROR, "{of_all} {of_inside}");
 }

@@ -408,6 +408,12 @@ fn uneven_steps() {
     let expected = folder.experiment(&recording, SIGNAL).run(folder.0.path(), &mut |_| {}).unwrap();
     let solution = folder.reduce(&recording, SIGNAL).unwrap().solve().unwrap();
     assert_same(&solution.results, &expected, EQUAL);
+    let kept = folder.reduce_to(&recording, SIGNAL, false).unwrap();
+    kept.write(&folder.0.at("kept.reduction")).unwrap();
+    let read = Reduction::read(&folder.0.at("kept.reduction")).unwrap();
+    assert!(read.recordings[0].samples_kept.is_some());
+    assert_eq!(read.recordings[0].samples_kept, kept.recordings[0].samples_kept);
+    assert_same(&read.solve().unwrap().results, &expected, EQUAL);
     let samples = (1 << 20) + 10;
     for (name, value) in [
         ("t", &(|k: usize| k as f64 / RATE + jitter(k)) as &dyn Fn(usize) -> f64),

@@ -13,7 +13,7 @@ const EVEN: f64 = 0.05;
 /// Sample rates of recordings in Hz, for guessing the unit of a time.
 const RATES: std::ops::Range<f64> = 10.0..20_000.0;
 /// Sample rates in Hz that a unit in a name may give: by others the name is wrong.
-const POSSIBLE_RATES: std::ops::Range<f64> = 1.0..1e6;
+const POSSIBLE_RATES: std::ops::Range<f64> = 1.0..1e5;
 const SECONDS_PER_DAY: f64 = 86_400.0;
 /// Units of time, in the order in which they are tried.
 const UNITS: [Unit; 4] = [Unit::Second, Unit::Millisecond, Unit::Microsecond, Unit::Nanosecond];
@@ -186,5 +186,6 @@ mod tests {
         assert_eq!(unit("Zeitstempel [ms]", 2.0), (Unit::Millisecond, None));
         assert_eq!(unit("time_s", 2.0), (Unit::Millisecond, Some(Unit::Second)));
         assert_eq!(unit("time_s", 0.5), (Unit::Second, None));
+        assert_eq!(unit("time_ms", 0.002), (Unit::Second, Some(Unit::Millisecond)));
     }
 }

@@ -3,7 +3,7 @@
 use crate::checks::{
     examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
-    numbers::step_of,
+    numbers::{span, step_of},
     signals::Signals,
 };
 use thetahat_ground::series::Series;
@@ -90,7 +90,7 @@ impl Jumps {
 }
 
 fn jumps_of(x: &[f64]) -> Vec<Jump> {
-    let span = x.iter().copied().fold(f64::MIN, f64::max) - x.iter().copied().fold(f64::MAX, f64::min);
+    let span = span(x);
     let least = (FOUND_PERCENT / 100.0 * span).max(COUNTS * step_of(x).unwrap_or(0.0));
     let step = |k: usize| x[k] - x[k - 1];
     let largest_around = |k: usize| {
