@@ -41,7 +41,7 @@ fn design(motion: &str) -> Design {
         })
         .collect();
     let text = format!(
-        "title = 'ur10'\nrobot = 'ur10.toml'\nduration_s = 10\nsample_rate_hz = 125\n[motion]\n{motion}\nstarts = 2\n\
+        "title = 'ur10'\nrobot = 'ur10.toml'\nduration_s = 6\nsample_rate_hz = 125\n[motion]\n{motion}\nstarts = 1\n\
          start = [0, -90, 0, -90, 0, 0]\n[limits]\nposition = [[-180, 180], [-200, 20], [-155, 155], [-180, 180], [-180, 180], \
          [-180, 180]]\nvelocity = [120, 120, 180, 180, 180, 180]\nacceleration = 300\n[noise]\n\
          torque = [3, 3, 2, 0.7, 0.7, 0.7]\n[signal]\ncutoff_hz = 8\ndecimation = 5\n[collision]\nmargin = {MARGIN_MM}\n\
@@ -149,12 +149,12 @@ fn cubic(results: &thetahat::results::DesignResults, k: usize, j: usize, t: f64)
 
 #[test]
 fn a_series_of_a_ur10_keeps_apart() {
-    keeps_apart("harmonics = 5");
+    keeps_apart("harmonics = 3");
 }
 
 #[test]
 fn moves_of_a_ur10_keep_apart() {
-    keeps_apart("kind = 'moves'\nmoves = 10");
+    keeps_apart("kind = 'moves'\nmoves = 6");
 }
 
 /// Shapes of a URDF: capsules around its boxes and cylinders, and meshes that are named.

@@ -90,11 +90,11 @@ fn ensure_iv(name: &str, bandwidth_hz: Option<f64>, limit: f64) -> Result<(), Fa
 }
 
 fn kuka_iv() -> Result<(), Failed> {
-    [None, Some(5.0), Some(20.0)].into_iter().try_for_each(|hz| ensure_iv("kuka_lwr4.toml", hz, 2.1))
+    [None, Some(20.0)].into_iter().try_for_each(|hz| ensure_iv("kuka_lwr4.toml", hz, 2.1))
 }
 
 fn ur10_iv() -> Result<(), Failed> {
-    [None, Some(5.0), Some(20.0), Some(80.0)].into_iter().try_for_each(|hz| ensure_iv("ur10.toml", hz, 3.3))
+    [None, Some(80.0)].into_iter().try_for_each(|hz| ensure_iv("ur10.toml", hz, 3.3))
 }
 
 /// Recordings that others published estimates from ask for care: every one has a residual that is no noise, and a model that
