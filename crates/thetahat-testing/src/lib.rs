@@ -15,5 +15,6 @@ pub use mcap::{Cdr, mcap};
 pub use mjcf::users_mjcf;
 pub use program::{refused, run, shown, succeeded};
 pub use shared::{
-    Module, Named, data, has_shared, project, root, run_modules, shared, slow_trials, thinned, trials_on_shared_data,
+    Module, Named, data, each_night, has_shared, project, root, run_modules, shared, slow_trials, thinned,
+    trials_on_shared_data,
 };

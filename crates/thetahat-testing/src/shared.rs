@@ -55,8 +55,21 @@ pub fn slow_trials(files: &[&str], tests: Vec<Named>) -> Vec<Trial> {
 /// their number.
 pub fn thinned<T>(cases: Vec<T>, group: usize) -> impl Iterator<Item = T> {
     const STRIDE: usize = 6;
-    let stride = if std::env::var_os("THETAHAT_ALL_TRIALS").is_some() { 1 } else { STRIDE };
+    let stride = if all_are_wanted() { 1 } else { STRIDE };
     cases.into_iter().skip(group % stride).step_by(stride)
+}
+
+/// Trials that take long and check what others check as well: they run with `THETAHAT_ALL_TRIALS`, as each night.
+#[must_use]
+pub fn each_night(trials: Vec<Trial>) -> Vec<Trial> {
+    if all_are_wanted() {
+        return trials;
+    }
+    trials.into_iter().map(|trial| trial.with_ignored_flag(true)).collect()
+}
+
+fn all_are_wanted() -> bool {
+    std::env::var_os("THETAHAT_ALL_TRIALS").is_some()
 }
 
 /// Whether the shared data has the file or folder.

@@ -153,6 +153,7 @@ fn a_series_of_a_ur10_keeps_apart() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn moves_of_a_ur10_keep_apart() {
     keeps_apart("kind = 'moves'\nmoves = 6");
 }

@@ -230,6 +230,7 @@ fn gains_are_found(file: &str) {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn a_payload_of_seven_axes() {
     payload_is_found("robots/seven_axes.urdf");
 }
@@ -240,6 +241,7 @@ fn a_payload_of_the_ur10() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn gains_of_seven_axes() {
     gains_are_found("robots/seven_axes.urdf");
 }

@@ -40,6 +40,7 @@ fn iv(twin: &Twin, start: Start, change: impl FnOnce(&mut thetahat::Settings)) -
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn iv_and_didim_converge_from_every_start() {
     for robot in ["two_joint", "SCARA", "seven axes"] {
         let cells = run_cells(&twin_of(robot), &arguments(robot)).unwrap();

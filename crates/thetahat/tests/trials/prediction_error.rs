@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use libtest_mimic::{Failed, Trial};
 use thetahat::{Experiment, Method, Results, identification::Status, preparation::LoopParameter, results::RunResult};
-use thetahat_testing::{data, ensure, root, shared};
+use thetahat_testing::{data, each_night, ensure, root, shared};
 
 /// Relative; the reference program integrates with other steps.
 const TOLERANCE: f64 = 1e-6;
@@ -105,13 +105,20 @@ fn the_tx40_with_an_unknown_gear_ratio() -> Result<(), Failed> {
 
 /// The trials of this module.
 pub fn all_trials() -> Vec<Trial> {
-    thetahat_testing::trials_on_shared_data(
-        &["reference/emps_closed_loop.json", "datasets/emps", "datasets/tx40"],
+    const DATA: [&str; 3] = ["reference/emps_closed_loop.json", "datasets/emps", "datasets/tx40"];
+    let mut trials = thetahat_testing::trials_on_shared_data(
+        &DATA,
         vec![
             ("emps_is_that_of_the_reference_program", emps_is_that_of_the_reference_program),
-            ("positions_alone_give_the_same_numbers", positions_alone_give_the_same_numbers),
             ("other_methods_need_torques", other_methods_need_torques),
+        ],
+    );
+    trials.extend(each_night(thetahat_testing::trials_on_shared_data(
+        &DATA,
+        vec![
+            ("positions_alone_give_the_same_numbers", positions_alone_give_the_same_numbers),
             ("the_tx40_with_an_unknown_gear_ratio", the_tx40_with_an_unknown_gear_ratio),
         ],
-    )
+    )));
+    trials
 }

@@ -10,7 +10,7 @@ use thetahat::{
 };
 use thetahat_model::robot::INERTIAL;
 use thetahat_report::results::UseGrade;
-use thetahat_testing::ensure;
+use thetahat_testing::{each_night, ensure};
 
 /// The estimates of others from these records differ by their filters: 15 % of each.
 const FRICTION: f64 = 0.15;
@@ -90,11 +90,11 @@ fn ensure_iv(name: &str, bandwidth_hz: Option<f64>, limit: f64) -> Result<(), Fa
 }
 
 fn kuka_iv() -> Result<(), Failed> {
-    [None, Some(20.0)].into_iter().try_for_each(|hz| ensure_iv("kuka_lwr4.toml", hz, 2.1))
+    [None, Some(5.0), Some(20.0)].into_iter().try_for_each(|hz| ensure_iv("kuka_lwr4.toml", hz, 2.1))
 }
 
 fn ur10_iv() -> Result<(), Failed> {
-    [None, Some(80.0)].into_iter().try_for_each(|hz| ensure_iv("ur10.toml", hz, 3.3))
+    [None, Some(5.0), Some(20.0), Some(80.0)].into_iter().try_for_each(|hz| ensure_iv("ur10.toml", hz, 3.3))
 }
 
 /// Recordings that others published estimates from ask for care: every one has a residual that is no noise, and a model that
@@ -114,16 +114,23 @@ fn verdicts() -> Result<(), Failed> {
 
 /// The trials of this module.
 pub fn all_trials() -> Vec<Trial> {
-    thetahat_testing::trials_on_shared_data(
-        &["datasets/kuka_lwr4", "datasets/ur10"],
+    const DATA: [&str; 2] = ["datasets/kuka_lwr4", "datasets/ur10"];
+    let mut trials = thetahat_testing::trials_on_shared_data(
+        &DATA,
         vec![
             ("kuka_is_fitted_to_two_percent", kuka_error),
             ("kuka_has_43_inertial_parameters", kuka_parameters),
             ("ur10_is_fitted_to_seven_percent", ur10_error),
+            ("the_verdict_on_recordings_of_others_is_care", verdicts),
+        ],
+    );
+    trials.extend(each_night(thetahat_testing::trials_on_shared_data(
+        &DATA,
+        vec![
             ("kuka_by_iv_converges_with_any_controller", kuka_iv),
             ("ur10_by_iv_converges_with_any_controller", ur10_iv),
             ("ur10_has_the_friction_that_others_found", ur10_friction),
-            ("the_verdict_on_recordings_of_others_is_care", verdicts),
         ],
-    )
+    )));
+    trials
 }

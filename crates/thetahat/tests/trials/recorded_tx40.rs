@@ -13,7 +13,7 @@ use thetahat::{
     simulation::BiasKind,
 };
 use thetahat_report::results::{BiasedSimulatorResult, Comparison};
-use thetahat_testing::ensure;
+use thetahat_testing::{each_night, ensure};
 
 fn identify(name: &str) -> Results {
     let experiment =
@@ -175,8 +175,9 @@ fn inertias_are_enough_to_start() -> Result<(), Failed> {
 
 /// The trials of this module.
 pub fn all_trials() -> Vec<Trial> {
-    thetahat_testing::trials_on_shared_data(
-        &["paper/tables.csv", "datasets/tx40"],
+    const DATA: [&str; 2] = ["paper/tables.csv", "datasets/tx40"];
+    let mut trials = thetahat_testing::trials_on_shared_data(
+        &DATA,
         vec![
             ("nominal_errors_are_those_of_the_paper_or_less", nominal_errors),
             ("every_run_converges", every_run_converges),
@@ -187,8 +188,14 @@ pub fn all_trials() -> Vec<Trial> {
             ("the_advice_is_quiet_in_the_nominal_case", advice_is_quiet_nominally),
             ("the_advice_distrusts_didim_in_the_biased_case", advice_distrusts_didim_with_wrong_gear_ratios),
             ("the_reference_is_thirteen_moves", reference_is_moves),
+        ],
+    );
+    trials.extend(each_night(thetahat_testing::trials_on_shared_data(
+        &DATA,
+        vec![
             ("the_28_alone_are_a_list", twenty_eight_alone),
             ("motor_inertias_are_enough_to_start_from", inertias_are_enough_to_start),
         ],
-    )
+    )));
+    trials
 }
