@@ -64,6 +64,20 @@ struct MotorMatrix {
     terms: Vec<Term>,
 }
 
+impl MotorMatrix {
+    fn cross_terms(&self) -> impl Iterator<Item = &Term> {
+        self.terms.iter().filter(|term| term.entries.iter().any(|(i, j, _)| i != j))
+    }
+
+    fn is_definite(&self, standard: &[f64]) -> bool {
+        let mut matrix = Symmetric::zeros(self.size);
+        for term in &self.terms {
+            term.entries.iter().for_each(|&(i, j, v)| matrix.add(i, j, v * standard[term.unknown]));
+        }
+        matrix.cholesky().is_some()
+    }
+}
+
 /// Usual friction, N m s/rad and N m: only its order of magnitude matters, and only during the solution.
 const USUAL_FRICTION: f64 = 1.0;
 /// Usual fraction of a joint's friction or inertia in a coupled motor.
@@ -164,7 +178,24 @@ impl ConsistentSet {
             let (expected, found) = (self.links, parts);
             return Err(ConsistencyError::WrongSize { what: "the parts of the links' weights", expected, found });
         }
-        Ok(Self { beliefs, ..self })
+        let mut set = Self { beliefs, ..self };
+        for motors in set.motors.clone() {
+            set.shrink_coupling(&motors);
+        }
+        Ok(set)
+    }
+
+    /// Makes the usual sizes of coupled motors so small that they are in the set together with those of the joints: two motors that
+    /// turn with the same joints may have more between them than a light joint of the two.
+    fn shrink_coupling(&mut self, motors: &MotorMatrix) {
+        const MOST_HALVINGS: usize = 60;
+        for _ in 0..MOST_HALVINGS {
+            if motors.is_definite(&self.believed()) {
+                return;
+            }
+            let sizes = &mut self.beliefs.sizes;
+            motors.cross_terms().for_each(|term| sizes[term.unknown] *= 0.5);
+        }
     }
 
     /// The table of standard parameters.

@@ -53,6 +53,9 @@ pub struct Doubt {
     pub value: f64,
     /// The unit of the value; empty for a number of elements.
     pub unit: &'static str,
+    /// The joint, from zero, that moves what has the value; none if nothing moves it.
+    #[serde(skip)]
+    pub carrier: Option<usize>,
     /// What to do.
     pub remedy: &'static str,
 }
@@ -70,7 +73,13 @@ pub enum DoubtGrade {
 impl Doubt {
     /// A note of how something was interpreted.
     pub(super) fn note(place: String, what: String, remedy: &'static str) -> Self {
-        Self { grade: DoubtGrade::Note, place, what, value: 0.0, unit: "", remedy }
+        Self { grade: DoubtGrade::Note, place, what, value: 0.0, unit: "", carrier: None, remedy }
+    }
+
+    /// The same of what another joint moves, by its number from zero. A value that nothing moves is in no equation: a note.
+    pub(super) fn carried_by(self, carrier: Option<usize>) -> Self {
+        let grade = if carrier.is_none() { DoubtGrade::Note } else { self.grade };
+        Self { grade, carrier, ..self }
     }
 }
 

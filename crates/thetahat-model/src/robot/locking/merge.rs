@@ -7,7 +7,7 @@ use super::{
     terms::{a_priori_of_terms, remaining_terms},
     transmission::{Remaining, remaining},
 };
-use crate::robot::{INERTIAL, Joint, Mimic, Robot, Share, body::RigidBody};
+use crate::robot::{Doubt, INERTIAL, Joint, Mimic, Robot, Share, body::RigidBody};
 
 impl Robot {
     /// The robot with these joints fixed at their values: the links of locked joints become part of the links that carry them,
@@ -54,6 +54,10 @@ pub(in crate::robot) fn merged(robot: &Robot, locked: &[Option<f64>]) -> Result<
     let names = robot.joints.iter().zip(locked).filter_map(|(joint, value)| {
         value.map(|value| LockedJoint { name: joint.name.clone(), kind: joint.kind, value })
     });
+    let carried = |doubt: &Doubt| {
+        let carrier = doubt.carrier.and_then(|j| places[j].carrier).and_then(|j| numbers[j]);
+        doubt.clone().carried_by(carrier)
+    };
     let mut merged = Robot {
         joints,
         transmission,
@@ -61,6 +65,7 @@ pub(in crate::robot) fn merged(robot: &Robot, locked: &[Option<f64>]) -> Result<
         terms: Vec::new(),
         term_descriptions: Vec::new(),
         locked: robot.locked.iter().cloned().chain(names).collect(),
+        doubts: robot.doubts.iter().map(carried).collect(),
         ..robot.clone()
     };
     let renumbering = Renumbering { joints: numbers, motors, places };

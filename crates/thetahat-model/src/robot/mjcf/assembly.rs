@@ -28,7 +28,14 @@ pub(super) struct Assembly<'a> {
     /// Bodies with a free joint, which are fixed.
     pub(super) free: Vec<Element<'a>>,
     /// Mass and inertia of each moving body, as the model states them.
-    pub(super) masses: Vec<(Element<'a>, MassProperties)>,
+    pub(super) masses: Vec<WeighedBody<'a>>,
+}
+
+/// A moving body with the joint that carries it, from zero, and what the model states of it.
+pub(super) struct WeighedBody<'a> {
+    pub(super) element: Element<'a>,
+    pub(super) carrier: usize,
+    pub(super) properties: MassProperties,
 }
 
 /// The joint that carries a body, none for the world, and the body's frame in that of the joint's link.
@@ -134,7 +141,7 @@ impl<'a> Assembly<'a> {
         for (element, place, properties) in masses {
             let Some(carrier) = place.carrier else { continue };
             self.links[carrier].absorb(&properties.scaled(factor).body().seen_in(&place.frame));
-            self.masses.push((element, properties));
+            self.masses.push(WeighedBody { element, carrier, properties });
         }
         Ok(())
     }

@@ -2,11 +2,10 @@
 
 use super::{
     actuators::Actuators,
-    assembly::Assembly,
+    assembly::{Assembly, WeighedBody},
     classes::{Classes, MAIN},
     element::{Element, elements_of},
     error::MjcfError,
-    inertia::MassProperties,
     world::World,
 };
 use crate::robot::{
@@ -47,16 +46,24 @@ impl Omission {
         let what = format!("{} ({})", self.what, names.join(", "));
         let value = elements.len() as f64;
         let grade = DoubtGrade::Note;
-        Some(Doubt { grade, place: first.place().to_string(), what, value, unit: "", remedy: self.remedy })
+        Some(Doubt {
+            grade,
+            place: first.place().to_string(),
+            what,
+            value,
+            unit: "",
+            carrier: None,
+            remedy: self.remedy,
+        })
     }
 }
 
 impl<'a> Noted<'_, 'a> {
     pub(super) fn doubts(&self) -> Result<Vec<Doubt>, MjcfError> {
         let mut doubts: Vec<Doubt> = self.omissions()?.into_iter().filter_map(|(kind, of)| kind.note(&of)).collect();
-        let of_bodies = self.assembly.masses.iter().filter_map(|(element, properties)| of_body(*element, properties));
+        let of_bodies = self.assembly.masses.iter().filter_map(of_body);
         doubts.extend(of_bodies.take(MOST_DOUBTS));
-        let joints = self.assembly.joints.iter().zip(&self.assembly.moving);
+        let joints = self.assembly.joints.iter().enumerate().zip(&self.assembly.moving);
         doubts.extend(joints.flat_map(|(joint, moving)| {
             let values = [
                 ("damping", moving.damping[0]),
@@ -162,10 +169,10 @@ const FLUID: Omission = Omission {
     remedy: "set density and viscosity of <option> to zero, or add their torques as a [[term]]",
 };
 
-fn of_body(element: Element<'_>, properties: &MassProperties) -> Option<Doubt> {
+fn of_body(WeighedBody { element, carrier, properties }: &WeighedBody<'_>) -> Option<Doubt> {
     let doubt = |what: String, value, unit, remedy| {
-        let grade = DoubtGrade::Impossible;
-        Some(Doubt { grade, place: element.place().to_string(), what, value, unit, remedy })
+        let (grade, carrier) = (DoubtGrade::Impossible, Some(*carrier));
+        Some(Doubt { grade, place: element.place().to_string(), what, value, unit, carrier, remedy })
     };
     let body = RigidBody { m: properties.mass, ms: [0.0; 3], inertia: properties.inertia };
     let is_heavy = properties.inertia.as_flattened().iter().any(|entry| *entry != 0.0);
@@ -189,7 +196,7 @@ fn of_body(element: Element<'_>, properties: &MassProperties) -> Option<Doubt> {
     doubt(what, a, "kg m^2", "give the inertia about the centre of mass, or balanceinertia=\"true\" to <compiler>")
 }
 
-fn of_joint(joint: &Joint, element: Element<'_>, values: [(&'static str, f64); 4]) -> Vec<Doubt> {
+fn of_joint((number, joint): (usize, &Joint), element: Element<'_>, values: [(&'static str, f64); 4]) -> Vec<Doubt> {
     let units = match joint.kind {
         JointKind::Revolute => ["N m s/rad", "N m", "kg m^2", "N m/rad"],
         JointKind::Prismatic => ["N s/m", "N", "kg", "N/m"],
@@ -201,6 +208,7 @@ fn of_joint(joint: &Joint, element: Element<'_>, values: [(&'static str, f64); 4
         what: format!("{key} of {value} {unit}, below zero"),
         value,
         unit,
+        carrier: Some(number),
         remedy: "give zero or more, or leave it out",
     };
     below.map(doubt).collect()

@@ -6,7 +6,7 @@ use super::{
     joints::{JointElement, MimicElement, Moving},
     links,
     structure::{Structure, unknown},
-    transmissions::{self, Drive},
+    transmissions::{self, Coupling, Drive, Drives},
 };
 use crate::robot::{
     Doubt, INERTIAL, Joint, Placement, Share, Transmission,
@@ -30,6 +30,12 @@ pub(super) struct Assembly<'s, 'a> {
     bodies: Vec<RigidBody>,
     /// The index of that link.
     moved_links: Vec<usize>,
+}
+
+/// The drive of each joint of the file, with its name, and the pairs of joints that two motors drive together.
+pub(super) struct NamedDrives<'a> {
+    of_joints: Vec<(&'a str, Drive<'a>)>,
+    couplings: Vec<Coupling<'a>>,
 }
 
 /// The moving joint that carries a link, none for the base, and the link's frame in the frame of the carrier's own
@@ -147,6 +153,11 @@ impl<'s, 'a> Assembly<'s, 'a> {
         self.joints.iter().filter(|joint| joint.mimic.is_none())
     }
 
+    /// The body that a joint moves: its link, with everything fixed to it.
+    pub(super) fn body(&self, joint: usize) -> &RigidBody {
+        &self.bodies[joint]
+    }
+
     /// The body of each link that a joint moves, with everything fixed to it.
     pub(super) fn moved_bodies(&self) -> Vec<Option<RigidBody>> {
         let mut bodies = vec![None; self.links.len()];
@@ -158,45 +169,61 @@ impl<'s, 'a> Assembly<'s, 'a> {
         bodies
     }
 
-    /// The drive of each joint of the file, with its name.
+    /// The drives of the joints of the file.
     pub(super) fn drives(
         &self,
         robot: Element<'a>,
         structure: &Structure<'a>,
         locked: &[Option<f64>],
-    ) -> Result<Vec<(&'a str, Drive<'a>)>, UrdfError> {
+    ) -> Result<NamedDrives<'a>, UrdfError> {
         let names: Vec<&str> = structure.joints.iter().map(|joint| joint.name).collect();
         let is_locked = |name: &str| self.joints.iter().zip(locked).any(|(j, v)| v.is_some() && j.name == name);
-        let drives = transmissions::drives(robot, &names, &is_locked)?;
-        Ok(structure.joints.iter().map(|joint| joint.name).zip(drives).collect())
+        let Drives { of_joints, couplings } = transmissions::drives(robot, &names, &is_locked)?;
+        Ok(NamedDrives { of_joints: names.into_iter().zip(of_joints).collect(), couplings })
     }
 
-    pub(super) fn transmission(&self, drives: &[(&str, Drive<'_>)]) -> Transmission {
-        let of = |joint: &Joint| drives.iter().find(|(name, _)| *name == joint.name);
+    /// The transmission of the file's drives.
+    ///
+    /// # Errors
+    /// [`UrdfError::Transmission`] where two motors drive a joint that follows another.
+    pub(super) fn transmission(&self, drives: &NamedDrives<'_>) -> Result<Transmission, UrdfError> {
+        let of = |joint: &Joint| drives.of_joints.iter().find(|(name, _)| *name == joint.name);
         let drive = |joint: &Joint| of(joint).map(|(_, drive)| *drive).unwrap_or_default();
-        let drives: Vec<Drive<'_>> = self.coordinates().map(drive).collect();
-        let n = drives.len();
-        let matrix = Matrix::from_fn(n, n, |i, j| if i == j { drives[i].reduction() } else { 0.0 });
-        let offset = drives.iter().map(Drive::offset).collect();
-        Transmission::new(matrix, offset, vec![1.0; n]).unwrap_or_else(|| Transmission::direct(n))
+        let of_joints: Vec<Drive<'_>> = self.coordinates().map(drive).collect();
+        let n = of_joints.len();
+        let mut matrix = Matrix::from_fn(n, n, |i, j| if i == j { of_joints[i].reduction() } else { 0.0 });
+        let mut offset: Vec<f64> = of_joints.iter().map(Drive::offset).collect();
+        for coupling in &drives.couplings {
+            let coordinate = |name: &str| self.coordinates().position(|joint| joint.name == name);
+            let [Some(first), Some(second)] = coupling.joints.map(coordinate) else {
+                let problem = "couples a joint that is fixed, or that follows another".to_owned();
+                return Err(UrdfError::Transmission { place: coupling.element.place(), problem });
+            };
+            let pair = [first, second];
+            for (column, j) in pair.into_iter().enumerate() {
+                pair.into_iter().zip(coupling.matrix).for_each(|(i, row)| matrix.column_mut(j)[i] = row[column]);
+                offset[j] = coupling.offset[column];
+            }
+        }
+        Ok(Transmission::new(matrix, offset, vec![1.0; n]).unwrap_or_else(|| Transmission::direct(n)))
     }
 
     /// The a-priori inertias of the motors, seen at their joints.
-    pub(super) fn motor_inertias(&self, drives: &[(&str, Drive<'_>)]) -> Vec<(String, f64)> {
+    pub(super) fn motor_inertias(&self, drives: &NamedDrives<'_>) -> Vec<(String, f64)> {
         let number = |name: &str| self.joints.iter().position(|joint| joint.name == name);
         let inertia = |(name, drive): &(&str, Drive<'_>)| Some((number(name)?, drive.inertia_at_joint()?));
-        let nonzero = drives.iter().filter_map(inertia).filter(|(_, inertia)| *inertia != 0.0);
+        let nonzero = drives.of_joints.iter().filter_map(inertia).filter(|(_, inertia)| *inertia != 0.0);
         nonzero.map(|(joint, inertia)| (format!("ia{}", joint + 1), inertia)).collect()
     }
 
     /// Notes of the motor inertias of joints that do not move.
-    pub(super) fn unused_inertias(&self, drives: &[(&str, Drive<'_>)]) -> Vec<Doubt> {
+    pub(super) fn unused_inertias(&self, drives: &NamedDrives<'_>) -> Vec<Doubt> {
         let is_fixed = |name: &str| self.joints.iter().all(|joint| joint.name != name);
         let note = |(name, drive): &(&str, Drive<'_>)| {
             let what = format!("the motor inertia is not used, since joint `{}` is fixed", shortened(name));
             Some(Doubt::note(drive.inertia_place()?, what, "remove the transmission, or let the joint move"))
         };
-        drives.iter().filter(|(name, _)| is_fixed(name)).filter_map(note).collect()
+        drives.of_joints.iter().filter(|(name, _)| is_fixed(name)).filter_map(note).collect()
     }
 
     /// The inertial parameters and friction that differ from zero.

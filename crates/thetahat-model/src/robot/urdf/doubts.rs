@@ -3,6 +3,7 @@
 
 use super::{
     UrdfError,
+    assembly::Assembly,
     element::Element,
     joints::JointElement,
     links,
@@ -19,14 +20,21 @@ const ROUNDING: f64 = 0.01;
 /// Radius of gyration, m, below which an inertia counts as zero: no link is a hundred times smaller than a grain of sand.
 const LEAST_RADIUS: f64 = 1e-5;
 
-/// The doubts about the links and joints of a file, in its order. `bodies` are those that joints move, by link: each with
-/// everything that is fixed to it.
-pub(super) fn of(structure: &Structure<'_>, bodies: &[Option<RigidBody>]) -> Result<Vec<Doubt>, UrdfError> {
+/// The doubts about the links and joints of a file, in its order.
+pub(super) fn of(structure: &Structure<'_>, assembly: &Assembly<'_, '_>) -> Result<Vec<Doubt>, UrdfError> {
     let mut doubts: Vec<Doubt> = structure.implied.iter().map(of_implied_base).collect();
-    for (link, body) in structure.links.iter().zip(bodies) {
-        doubts.extend(of_link(*link, body.as_ref())?);
+    let bodies = assembly.moved_bodies();
+    for ((link, body), place) in structure.links.iter().zip(bodies).zip(&assembly.places) {
+        let carrier = place.and_then(|place| place.carrier);
+        // A small part of a possible body, such as a foot of a shank, is in equations as the whole.
+        let is_harmless_part = body.is_none() && carrier.is_some_and(|joint| is_possible(assembly.body(joint)));
+        let carrier = carrier.filter(|_| !is_harmless_part);
+        doubts.extend(of_link(*link, body.as_ref())?.map(|doubt| doubt.carried_by(carrier)));
     }
-    doubts.extend(structure.joints.iter().flat_map(of_joint));
+    for joint in &structure.joints {
+        let number = assembly.joints.iter().position(|moving| moving.name == joint.name);
+        doubts.extend(of_joint(joint).into_iter().map(|doubt| doubt.carried_by(number)));
+    }
     Ok(doubts)
 }
 
@@ -45,7 +53,15 @@ fn of_link(link: Element<'_>, moved: Option<&RigidBody>) -> Result<Option<Doubt>
 /// Why the mass of a link is in doubt.
 fn of_mass(place: &str, body: &RigidBody, moved: Option<&RigidBody>) -> Option<Doubt> {
     let impossible = |what: String, value, remedy| {
-        Some(Doubt { grade: DoubtGrade::Impossible, place: place.to_owned(), what, value, unit: "kg", remedy })
+        Some(Doubt {
+            grade: DoubtGrade::Impossible,
+            place: place.to_owned(),
+            what,
+            value,
+            unit: "kg",
+            carrier: None,
+            remedy,
+        })
     };
     if body.m < 0.0 {
         let remedy = "give the mass of the link; it is the start of iterations and what estimates are compared with";
@@ -62,6 +78,10 @@ fn of_mass(place: &str, body: &RigidBody, moved: Option<&RigidBody>) -> Option<D
     None
 }
 
+fn is_possible(body: &RigidBody) -> bool {
+    body.m > 0.0 && are_of_a_body(principal_inertias(body.parameters()), ROUNDING)
+}
+
 /// Why the inertia of a link is in doubt. A point mass that is fixed to another link is how loads are given.
 fn of_inertia(place: &str, body: &RigidBody, is_moved: bool) -> Option<Doubt> {
     let principal = if body.m > 0.0 { principal_inertias(body.parameters()) } else { [0.0; 3] };
@@ -73,7 +93,7 @@ fn of_inertia(place: &str, body: &RigidBody, is_moved: bool) -> Option<Doubt> {
         );
         let remedy = "give the inertia about the centre of mass, in the axes of the <origin> of the <inertial>";
         let (grade, place) = (DoubtGrade::Impossible, place.to_owned());
-        return Some(Doubt { grade, place, what, value: a, unit: "kg m^2", remedy });
+        return Some(Doubt { grade, place, what, value: a, unit: "kg m^2", carrier: None, remedy });
     }
     let largest = largest_inertia(body);
     let is_a_point = is_moved && body.m > 0.0 && largest < LEAST_RADIUS * LEAST_RADIUS * body.m;
@@ -103,6 +123,7 @@ fn of_joint(joint: &JointElement<'_>) -> Vec<Doubt> {
         what: format!("a {word} of {value} {unit}, below zero: friction that drives"),
         value,
         unit,
+        carrier: None,
         remedy: "give zero or more, or leave out <dynamics>",
     };
     below.map(doubt).chain(of_limits(joint)).collect()

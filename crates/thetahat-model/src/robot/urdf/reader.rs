@@ -54,7 +54,7 @@ pub(in crate::robot) fn read(
     }
     assembly.follow()?;
     let locked = resolve_all(&assembly.joints, locks)?;
-    let mut doubts = doubts::of(&structure, &assembly.moved_bodies())?;
+    let mut doubts = doubts::of(&structure, &assembly)?;
     doubts.extend(assembly.notes_of_sums());
     let mut a_priori = assembly.a_priori();
     let transmission = match transmissions {
@@ -62,7 +62,7 @@ pub(in crate::robot) fn read(
             let drives = assembly.drives(element, &structure, &locked)?;
             a_priori.extend(assembly.motor_inertias(&drives));
             doubts.extend(assembly.unused_inertias(&drives));
-            assembly.transmission(&drives)
+            assembly.transmission(&drives)?
         }
         Transmissions::Ignored => {
             doubts.extend(transmissions::motor_inertias(element).into_iter().map(ignored_inertia));

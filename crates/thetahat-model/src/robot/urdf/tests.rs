@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::UrdfError;
-use crate::robot::{DoubtGrade, JointKind, Limits, Robot, RobotError, RobotSource};
+use crate::robot::{DoubtGrade, JointKind, Limits, Locks, Robot, RobotError, RobotSource};
+use thetahat_ground::series::Series;
 
 const ARM: &str = r#"<?xml version="1.0"?>
 <robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">
@@ -551,7 +552,78 @@ fn transmissions_of_hardware_interfaces_are_skipped() {
     let both = "<joint name=\"shoulder\"/><joint name=\"elbow\"/>";
     assert_eq!(interface("maker/StateInterface", both).unwrap(), read(ARM).unwrap());
     let coupled = interface("transmission_interface/DifferentialTransmission", both).unwrap_err().to_string();
-    assert!(coupled.contains("couples several"), "{coupled}");
+    assert!(coupled.contains("couples two joints by two motors, and states 1 <actuator>"), "{coupled}");
+}
+
+/// Joint positions from those of motors as ROS' `transmission_interface` states them: differential
+/// `(m1 / a1 +- m2 / a2) / (2 j)`, four-bar linkage `m1 / (j1 a1)` and `(m2 / a2 - m1 / (j1 a1)) / j2`, plus offsets.
+#[test]
+fn coupled_transmissions_of_ros_are_read() {
+    let pair = |kind: &str, roles: [&str; 2]| {
+        let joint = |role: &str, name: &str, ratio: f64, offset: f64| {
+            format!(
+                "<joint name='{name}'>{role}<mechanicalReduction>{ratio}</mechanicalReduction><offset>{offset}</offset></joint>"
+            )
+        };
+        let motors = "<actuator name='x'><mechanicalReduction>50</mechanicalReduction></actuator>\
+                      <actuator name='y'><mechanicalReduction>-40</mechanicalReduction></actuator>";
+        let of = format!(
+            "<transmission name='pair'><type>transmission_interface/{kind}</type>{}{}{motors}</transmission>",
+            joint(roles[0], "elbow", 3.0, 0.1),
+            joint(roles[1], "shoulder", 2.0, -0.2)
+        );
+        let alone = ARM.find("<transmission").unwrap()..ARM.find("<gazebo").unwrap();
+        let mut text = ARM.to_owned();
+        text.replace_range(alone, &of);
+        read(&text).unwrap()
+    };
+    let motors = Series::shaped(2, vec![7.0, -11.0]);
+    let joints = |robot: Robot| robot.transmission.joint_positions(&motors).sample(0).to_vec();
+    // The order of the file is elbow, shoulder; the coordinates are shoulder, elbow. Motors stand at the coordinates of their roles.
+    let roles = ["<role>joint2</role>", "<role>joint1</role>"];
+    let found = joints(pair("DifferentialTransmission", roles));
+    close(found[0], (7.0 / 50.0 + 11.0 / 40.0) / (2.0 * 2.0) - 0.2);
+    close(found[1], (7.0 / 50.0 - 11.0 / 40.0) / (2.0 * 3.0) + 0.1);
+    let found = joints(pair("FourBarLinkageTransmission", roles));
+    close(found[0], 7.0 / (2.0 * 50.0) - 0.2);
+    close(found[1], (11.0 / 40.0 - 7.0 / (2.0 * 50.0)) / 3.0 + 0.1);
+    // Without roles the first of the file is the first: the elbow, with its motor.
+    let robot = pair("FourBarLinkageTransmission", ["", ""]);
+    assert_eq!(robot.transmission.coupled_motors(), [0]);
+    assert_eq!((robot.transmission.matrix().at(1, 1), robot.transmission.matrix().at(0, 0)), (150.0, -80.0));
+}
+
+/// A tool with an impossible inertia on a link whose body is possible with it.
+#[test]
+fn an_impossible_part_of_a_possible_body_is_a_note() {
+    let tool = |link: &str| {
+        let text = ARM.replace(
+            "ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"",
+            "ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"1e-6\"",
+        );
+        let robot = read(&text.replace("<link name=\"lower\"/>", link)).unwrap();
+        robot.doubts.iter().map(|doubt| doubt.grade).collect::<Vec<_>>()
+    };
+    let heavy = "<link name=\"lower\"><inertial><mass value=\"2\"/><inertia ixx=\"0.01\" ixy=\"0\" ixz=\"0\" iyy=\"0.01\" iyz=\"0\" \
+                 izz=\"0.01\"/></inertial></link>";
+    assert_eq!(tool(heavy), [DoubtGrade::Note]);
+}
+
+/// What nothing moves is in no equation: its impossible inertia is a note, and so it is once its joint is locked.
+#[test]
+fn impossible_values_of_what_does_not_move_are_notes() {
+    let inertial =
+        "<inertial><mass value='1'/><inertia ixx='0.1' ixy='0' ixz='0' iyy='0.1' iyz='0' izz='0.9'/></inertial>";
+    let base = ARM.replace("<link name=\"base\"/>", &format!("<link name=\"base\">{inertial}</link>"));
+    let grades = |robot: &Robot| robot.doubts.iter().map(|doubt| doubt.grade).collect::<Vec<_>>();
+    assert_eq!(grades(&read(&base).unwrap()), [DoubtGrade::Note]);
+    let upper = changed("ixx=\"0.3\"", "ixx=\"0.5\"");
+    assert_eq!(grades(&upper), [DoubtGrade::Impossible]);
+    let locked = |joint: &str| {
+        let locks = Locks { locked: [(joint.to_owned(), 0.0)].into(), until: Vec::new() };
+        grades(&upper.with_locks(&locks).unwrap())
+    };
+    assert_eq!((locked("shoulder"), locked("elbow")), (vec![DoubtGrade::Note], vec![DoubtGrade::Impossible]));
 }
 
 #[test]

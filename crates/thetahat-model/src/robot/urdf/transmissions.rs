@@ -44,13 +44,21 @@ impl Drive<'_> {
     }
 }
 
-/// The drive of each joint named. Transmissions whose joints are all locked are ignored.
+/// The drives of the joints of a file.
+pub(super) struct Drives<'a> {
+    /// That of each joint named, in their order.
+    pub(super) of_joints: Vec<Drive<'a>>,
+    /// Pairs of joints that two motors drive together.
+    pub(super) couplings: Vec<Coupling<'a>>,
+}
+
+/// The drives of the joints named. Transmissions whose joints are all locked are ignored.
 pub(super) fn drives<'a>(
     robot: Element<'a>,
     joints: &[&str],
     is_locked: &dyn Fn(&str) -> bool,
-) -> Result<Vec<Drive<'a>>, UrdfError> {
-    let mut drives = vec![Drive::default(); joints.len()];
+) -> Result<Drives<'a>, UrdfError> {
+    let mut drives = Drives { of_joints: vec![Drive::default(); joints.len()], couplings: Vec::new() };
     for transmission in transmissions(robot) {
         if refuse_coupling_with_locked(transmission.element, is_locked)? {
             continue;
@@ -58,16 +66,94 @@ pub(super) fn drives<'a>(
         if transmission.is_only_an_interface() {
             continue;
         }
+        if let Some(kind) = transmission.coupling_kind() {
+            drives.add_coupling(Coupling::of(transmission.element, kind)?, joints)?;
+            continue;
+        }
         let Some((joint, element)) = joint_of(transmission.element)? else { continue };
         let place = joints.iter().position(|name| *name == joint);
         let place = place.ok_or_else(|| structure::unknown(element, "joint", joint, joints.iter()))?;
         let found = transmission.drive()?;
-        merge(&mut drives[place], found).map_err(|quantity| UrdfError::Transmission {
+        merge(&mut drives.of_joints[place], found).map_err(|quantity| UrdfError::Transmission {
             place: transmission.element.place(),
             problem: format!("gives joint `{joint}` a second, different {quantity}"),
         })?;
     }
     Ok(drives)
+}
+
+impl<'a> Drives<'a> {
+    fn add_coupling(&mut self, coupling: Coupling<'a>, joints: &[&str]) -> Result<(), UrdfError> {
+        for joint in coupling.joints {
+            if !joints.contains(&joint) {
+                return Err(structure::unknown(coupling.element, "joint", joint, joints.iter()));
+            }
+            if self.couplings.iter().any(|other| other.joints.contains(&joint)) {
+                let problem = format!("couples joint `{joint}`, which another transmission couples too");
+                return Err(UrdfError::Transmission { place: coupling.element.place(), problem });
+            }
+        }
+        self.couplings.push(coupling);
+        Ok(())
+    }
+}
+
+/// How two motors drive two joints, by the classes of ROS' `transmission_interface`.
+#[derive(Clone, Copy)]
+enum CouplingKind {
+    /// Sum and difference of the joints.
+    Differential,
+    /// The second motor turns with both joints.
+    FourBarLinkage,
+}
+
+/// Two joints that two motors drive together.
+pub(super) struct Coupling<'a> {
+    pub(super) element: Element<'a>,
+    pub(super) joints: [&'a str; 2],
+    /// Motor positions per joint position: one row for each motor.
+    pub(super) matrix: [[f64; 2]; 2],
+    /// The joints' positions at the zeros of the motors.
+    pub(super) offset: [f64; 2],
+}
+
+impl<'a> Coupling<'a> {
+    /// With the reductions a of the motors and j of the joints (ros2_control, `transmission_interface`): differential
+    /// `a1 (j1 q1 + j2 q2)` and `a2 (j1 q1 - j2 q2)`, four-bar linkage `a1 j1 q1` and `a2 (q1 + j2 q2)`.
+    fn of(element: Element<'a>, kind: CouplingKind) -> Result<Self, UrdfError> {
+        let [joints, motors] = ["joint", "actuator"].map(|tag| two_by_role(element, tag));
+        let (joints, motors) = (joints?, motors?);
+        let [j1, j2] = reductions(joints)?;
+        let [a1, a2] = reductions(motors)?;
+        let matrix = match kind {
+            CouplingKind::Differential => [[a1 * j1, a1 * j2], [a2 * j1, -a2 * j2]],
+            CouplingKind::FourBarLinkage => [[a1 * j1, 0.0], [a2, a2 * j2]],
+        };
+        let offset = |joint: Element<'_>| joint.child("offset").map_or(Ok(0.0), Element::bounded_content);
+        let name = |joint: Element<'a>| joint.required("name", "name the joint of the transmission");
+        let [first, second] = joints;
+        Ok(Self { element, joints: [name(first)?, name(second)?], matrix, offset: [offset(first)?, offset(second)?] })
+    }
+}
+
+/// The two joints or motors of a coupling in the order of their roles, or of the file where they have none.
+fn two_by_role<'a>(transmission: Element<'a>, tag: &str) -> Result<[Element<'a>; 2], UrdfError> {
+    let mut found: Vec<Element<'a>> = transmission.children(tag).collect();
+    found.sort_by_key(|e| role(*e).and_then(|role| role.strip_prefix(tag)?.parse::<u8>().ok()));
+    found.try_into().map_err(|found: Vec<_>| UrdfError::Transmission {
+        place: transmission.place(),
+        problem: format!("couples two joints by two motors, and states {} <{tag}>", found.len()),
+    })
+}
+
+fn role(element: Element<'_>) -> Option<&str> {
+    element.attribute("role").or_else(|| Some(element.child("role")?.text()))
+}
+
+fn reductions(pair: [Element<'_>; 2]) -> Result<[f64; 2], UrdfError> {
+    let of = |owner: Element<'_>| REDUCTION.iter().find_map(|tag| owner.child(tag)).map_or(Ok(1.0), ratio);
+    let [first, second] = pair.map(of);
+    Ok([first?, second?])
 }
 
 /// The elements that state a motor's inertia.
@@ -96,10 +182,16 @@ impl<'a> TransmissionElement<'a> {
     /// Whether it names several joints without a coupling, as those of hardware interfaces do: it has no reduction, and no
     /// type that couples joints.
     fn is_only_an_interface(&self) -> bool {
-        let several = self.element.elements().filter(|e| e.tag() == "joint").count() > 1;
-        let couples = |e: Element<'_>| e.text().contains("Differential") || e.text().contains("FourBar");
+        let several = self.element.children("joint").count() > 1;
         let states = |e: Element<'_>| REDUCTION.contains(&e.tag()) || ROTOR_RATIO.contains(&e.tag());
-        several && !self.element.descendants().any(|e| couples(e) || states(e))
+        several && self.coupling_kind().is_none() && !self.element.descendants().any(states)
+    }
+
+    /// How it couples two joints, by its `<type>` of ROS 1 or `<plugin>` of ROS 2.
+    fn coupling_kind(&self) -> Option<CouplingKind> {
+        let kind = ["type", "plugin"].iter().find_map(|tag| self.element.child(tag))?.text();
+        let known = [("Differential", CouplingKind::Differential), ("FourBar", CouplingKind::FourBarLinkage)];
+        known.into_iter().find_map(|(word, coupling)| kind.contains(word).then_some(coupling))
     }
 
     fn drive(&self) -> Result<Drive<'a>, UrdfError> {

@@ -1,6 +1,6 @@
 //! What is believed of motors, friction and offsets before the recordings are fitted: their usual sizes.
 
-use super::rows::ModelRows;
+use super::{deviations::rms, rows::ModelRows};
 use crate::{preparation::Problem, run::identification::Identification};
 use thetahat_ground::linear_algebra::{Matrix, norm};
 use thetahat_model::{
@@ -13,6 +13,8 @@ use thetahat_model::{
 const GUESSED: f64 = 0.1;
 /// Part of a joint's inertia that its motor usually has.
 const MOTOR_PART: f64 = 0.5;
+/// Deviations by which the torques must show a larger motor inertia than usual: motors of light wrists are often heavier than the links.
+const BEYOND_DOUBT: f64 = 10.0;
 /// Least size relative to the largest of its kind.
 const LEAST: f64 = 1e-2;
 /// Usual part of a joint's torque in a number of which the torques show nothing.
@@ -23,7 +25,7 @@ const FREE: f64 = 3.0;
 const RIDGE: f64 = 1e-6;
 
 /// The beliefs of a robot: sizes of friction and offsets are those that fit the torques with its a-priori bodies, sizes of
-/// motor inertias follow from the mass matrix where none is given.
+/// motor inertias follow from the mass matrix where none is given, unless the torques show a larger one.
 pub(super) fn beliefs(
     identification: &Identification,
     problem: &Problem,
@@ -39,12 +41,13 @@ pub(super) fn beliefs(
 
 fn sizes(identification: &Identification, problem: &Problem, rows: &ModelRows, set: &ConsistentSet) -> Vec<f64> {
     let table = set.parameter_table();
-    let fitted = fitted(problem, rows, set);
+    let FittedDrives { values: fitted_values, .. } = fitted(problem, rows, set, false);
+    let shown = fitted(problem, rows, set, true);
     let usual = usual(problem, rows);
     let motors = motor_inertias(identification, set);
     let largest = |i: usize| {
         let same = |k: &usize| table.get(*k).quantity == table.get(i).quantity;
-        (0..table.len()).filter(same).map(|k| fitted[k].abs()).fold(0.0, f64::max)
+        (0..table.len()).filter(same).map(|k| fitted_values[k].abs()).fold(0.0, f64::max)
     };
     let excluded = &identification.setup().settings.parameters.exclude;
     let size = |i: usize| {
@@ -52,12 +55,16 @@ fn sizes(identification: &Identification, problem: &Problem, rows: &ModelRows, s
         if excluded.contains(&parameter.name()) {
             return 0.0;
         }
-        let of_kind = fitted[i].abs().max(LEAST * largest(i));
+        let of_kind = fitted_values[i].abs().max(LEAST * largest(i));
         let size = if of_kind > 0.0 { of_kind } else { usual[i] };
         match parameter.quantity.role() {
             Role::Inertial => 0.0,
             Role::MotorInertia if set.a_priori()[i] > 0.0 => set.a_priori()[i],
-            Role::MotorInertia => motors[parameter.number - 1],
+            Role::MotorInertia => {
+                let least = shown.values[i] - BEYOND_DOUBT * shown.deviations[i];
+                let of_joint = motors[parameter.number - 1];
+                if least > of_joint { shown.values[i] } else { of_joint }
+            }
             Role::ViscousFriction | Role::CoulombFriction | Role::Load => {
                 if parameter.quantity.bound() == Bound::NotNegative { size } else { FREE * size.max(usual[i]) }
             }
@@ -66,13 +73,19 @@ fn sizes(identification: &Identification, problem: &Problem, rows: &ModelRows, s
     (0..table.len()).map(size).collect()
 }
 
-/// Friction and offsets that fit the torques with the a-priori bodies, zero where the rows show nothing of them.
-fn fitted(problem: &Problem, rows: &ModelRows, set: &ConsistentSet) -> Vec<f64> {
+/// Standard parameters that fit the torques with the a-priori bodies, with their deviations; zero where the rows show nothing of them.
+struct FittedDrives {
+    values: Vec<f64>,
+    deviations: Vec<f64>,
+}
+
+/// Friction, offsets and, if `motors`, motor inertias.
+fn fitted(problem: &Problem, rows: &ModelRows, set: &ConsistentSet, motors: bool) -> FittedDrives {
     let table = set.parameter_table();
     let columns = problem.base.columns();
     let of_drive = |c: &usize| {
         let quantity = table.get(columns[*c]).quantity;
-        !quantity.is_inertial() && !quantity.is_motor_inertia()
+        !quantity.is_inertial() && (motors || !quantity.is_motor_inertia())
     };
     let drives: Vec<usize> = (0..columns.len()).filter(of_drive).collect();
     let bodies: Vec<f64> =
@@ -86,11 +99,18 @@ fn fitted(problem: &Problem, rows: &ModelRows, set: &ConsistentSet) -> Vec<f64> 
         true => 1.0,
         false => gram.at(i, j),
     };
-    let solved =
-        Matrix::from_fn(drives.len(), drives.len(), entry).cholesky().map(|f| f.solve(&x.transpose_times(&rest)));
-    let mut out = vec![0.0; table.len()];
-    for (c, value) in drives.iter().zip(solved.unwrap_or_default()) {
-        out[columns[*c]] = value;
+    let mut out = FittedDrives { values: vec![0.0; table.len()], deviations: vec![f64::INFINITY; table.len()] };
+    let Some(factor) = Matrix::from_fn(drives.len(), drives.len(), entry).cholesky() else { return out };
+    let solved = factor.solve(&x.transpose_times(&rest));
+    let residual: Vec<f64> = rest.iter().zip(x.times(&solved)).map(|(y, p)| y - p).collect();
+    for (c, value) in solved.into_iter().enumerate() {
+        let concerned: Vec<f64> =
+            x.column(c).iter().zip(&residual).filter(|(x, _)| **x != 0.0).map(|(_, e)| *e).collect();
+        let mut unit = vec![0.0; drives.len()];
+        unit[c] = 1.0;
+        let place = columns[drives[c]];
+        out.values[place] = value;
+        out.deviations[place] = rms(&concerned) * factor.solve(&unit)[c].sqrt();
     }
     out
 }

@@ -10,7 +10,10 @@ use super::{
 };
 use thetahat_estimation::statistics::repeated_widening;
 use thetahat_ground::{linear_algebra::dot, pool::in_parallel};
-use thetahat_model::consistency::{LeastSquares, Prior, fit_within};
+use thetahat_model::{
+    consistency::{LeastSquares, Prior, fit_within},
+    robot::JointKind,
+};
 use thetahat_report::results::{ModelCandidate, kinds_of};
 
 /// Standard errors of the mean difference by which a challenger must be better.
@@ -36,6 +39,8 @@ pub(super) struct Choosing<'a> {
     pub(super) laws: &'a [Law<'a>],
     pub(super) weights: &'a [f64],
     pub(super) folds: &'a ModelFolds,
+    /// Whether each joint turns or slides.
+    pub(super) kinds: &'a [JointKind],
 }
 
 /// What was chosen.
@@ -88,7 +93,7 @@ impl Choosing<'_> {
         let of_others = in_parallel(self.laws.len() - first, threads, |k| self.deviations(&self.laws[first + k]));
         deviations.extend(of_others.into_iter().collect::<Option<Vec<_>>>()?);
         let of_law = |(law, own): (&Law, &Vec<f64>)| {
-            Whitened::new(law.rows, self.folds, &deviations[DEFAULT.law], &weighted(own, POWER))
+            Whitened::new(law.rows, self.folds, &deviations[DEFAULT.law], &weighted(own, self.kinds, POWER))
         };
         let whitened: Vec<Whitened> = self.laws.iter().zip(&deviations).map(of_law).collect();
         let mut search = Search { choosing: self, whitened: &whitened, threads, fitted };

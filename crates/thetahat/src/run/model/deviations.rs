@@ -1,11 +1,16 @@
 //! Deviations of residuals, and of differences between parts.
 
 use thetahat_ground::linear_algebra::{dot, norm};
+use thetahat_model::robot::JointKind;
 
-/// Deviations of all joints that lie between their own and the one that they have in common.
-pub(super) fn weighted(deviations: &[f64], power: f64) -> Vec<f64> {
-    let common = rms(deviations);
-    deviations.iter().map(|own| own.powf(power) * common.powf(1.0 - power)).collect()
+/// Deviations of all joints that lie between their own and the one that those of their kind have in common: newton and newton
+/// metres are not compared.
+pub(super) fn weighted(deviations: &[f64], kinds: &[JointKind], power: f64) -> Vec<f64> {
+    let common = |kind: JointKind| {
+        let same = deviations.iter().zip(kinds).filter(|(_, other)| **other == kind);
+        rms(&same.map(|(own, _)| *own).collect::<Vec<_>>())
+    };
+    deviations.iter().zip(kinds).map(|(own, kind)| own.powf(power) * common(*kind).powf(1.0 - power)).collect()
 }
 
 pub(super) fn rms(values: &[f64]) -> f64 {
@@ -48,6 +53,16 @@ mod tests {
     fn a_mean_difference_has_its_standard_error() {
         let [mean, error] = mean_and_error(&[1.0, 2.0, 3.0], &[0.0, 0.0, 0.0]);
         assert!((mean - 2.0).abs() < 1e-15 && (error - (1.0_f64 / 3.0).sqrt()).abs() < 1e-15);
+    }
+
+    /// A joint that slides changes nothing of those that turn.
+    #[test]
+    fn joints_of_one_kind_have_a_deviation_in_common() {
+        let [turns, slides] = [JointKind::Revolute, JointKind::Prismatic];
+        let alone = weighted(&[4.0, 1.0], &[turns, turns], 0.5);
+        let with = weighted(&[4.0, 900.0, 1.0], &[turns, slides, turns], 0.5);
+        assert_eq!((with[0], with[2]), (alone[0], alone[1]));
+        assert!((with[1] - 900.0).abs() < 1e-9 && alone[1] > 1.0 && alone[1] < 4.0, "{with:?} {alone:?}");
     }
 
     #[test]

@@ -86,7 +86,8 @@ impl Identification {
         let laws: Vec<Law> = variants.iter().flat_map(Variant::laws).collect();
         let weights = self.setup().settings.model.belief_weight.map_or_else(|| WEIGHTS.to_vec(), |stated| vec![stated]);
         let folds = ModelFolds::new(self, laws[0].rows);
-        Choosing { laws: &laws, weights: &weights, folds: &folds }.choose(self.threads, found)
+        let kinds: Vec<JointKind> = self.setup().robot.coordinates().map(|joint| joint.kind).collect();
+        Choosing { laws: &laws, weights: &weights, folds: &folds, kinds: &kinds }.choose(self.threads, found)
     }
 
     fn transitions(&self) -> Vec<f64> {
