@@ -13,8 +13,10 @@ use thetahat_model::{
 const GUESSED: f64 = 0.1;
 /// Part of a joint's inertia that its motor usually has.
 const MOTOR_PART: f64 = 0.5;
-/// Deviations by which the torques must show a larger motor inertia than usual: motors of light wrists are often heavier than the links.
+/// Deviations by which the torques must show a motor inertia, with the a-priori bodies, that is as many times larger than usual: motors
+/// of light wrists are often heavier than the links. The mean of both on a logarithmic scale is believed then.
 const BEYOND_DOUBT: f64 = 10.0;
+const MUCH_LARGER: f64 = 100.0;
 /// Least size relative to the largest of its kind.
 const LEAST: f64 = 1e-2;
 /// Usual part of a joint's torque in a number of which the torques show nothing.
@@ -63,7 +65,7 @@ fn sizes(identification: &Identification, problem: &Problem, rows: &ModelRows, s
             Role::MotorInertia => {
                 let least = shown.values[i] - BEYOND_DOUBT * shown.deviations[i];
                 let of_joint = motors[parameter.number - 1];
-                if least > of_joint { shown.values[i] } else { of_joint }
+                if least > MUCH_LARGER * of_joint { (least * of_joint).sqrt() } else { of_joint }
             }
             Role::ViscousFriction | Role::CoulombFriction | Role::Load => {
                 if parameter.quantity.bound() == Bound::NotNegative { size } else { FREE * size.max(usual[i]) }
