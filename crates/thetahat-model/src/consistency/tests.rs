@@ -478,6 +478,29 @@ fn believed_joint() -> (ConsistentSet, BaseParameters, [usize; 2]) {
     (set.with_beliefs(Beliefs { sizes, link_parts: vec![1.0] }).unwrap(), base, places)
 }
 
+/// Two motors turn with the same two joints, of which one is light: what is believed of them is in the set.
+#[test]
+fn beliefs_of_coupled_motors_are_in_the_set() {
+    let text = TWO_JOINT.replace("[[50, 0], [0, 50]]", "[[1, 1], [-1, 1]]");
+    let robot = Robot::parse(&text, Path::new("r.toml")).unwrap();
+    let set = ConsistentSet::new(&robot, &completed_a_priori(&robot, None)).unwrap();
+    let size = |name: String| match name.as_str() {
+        "ia1" | "fv1" | "fc1" => 1.0,
+        "ia2" | "fv2" | "fc2" => 1e-4,
+        "iam1" | "fvm1" | "fcm1" => 0.5,
+        "iam2" | "fvm2" | "fcm2" => 0.01,
+        _ => 0.0,
+    };
+    let sizes = set.parameter_table().iter().map(|p| size(p.name())).collect();
+    let set = set.with_beliefs(Beliefs { sizes, link_parts: vec![1.0; 2] }).unwrap();
+    let believed = set.believed();
+    let of = |name: &str| believed[set.parameter_table().index_of(name).unwrap()];
+    // The cross term of the two is the difference of the motors.
+    assert!((of("iam1") - of("iam2")).powi(2) < of("ia1") * of("ia2") && of("iam1") > 0.0, "{believed:?}");
+    let coupled = set.margins(&believed).into_iter().filter(|(c, _)| matches!(c, Condition::CoupledMotors(_)));
+    assert!(coupled.clone().count() == 2 && coupled.clone().all(|(_, margin)| margin > 0.0));
+}
+
 /// `|a x - b|^2` for each of these parameters by itself.
 fn rows_of(set: &ConsistentSet, places: [usize; 2], [a, b]: [f64; 2]) -> LeastSquares {
     let entry = |row: usize, column: usize| if column == places[row] { a } else { 0.0 };

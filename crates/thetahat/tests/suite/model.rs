@@ -209,6 +209,18 @@ fn a_prediction_holds_to_the_ends_of_a_motion_that_does_not_rest_there() {
     assert!(ends < 3.0 * between, "{ends} % at the ends, {between} % between them");
 }
 
+/// The motor of a wrist is 10^5 times heavier than the description's link, which knows no motor: the torques decide.
+#[test]
+fn a_motor_that_is_much_heavier_than_its_link_is_found() {
+    let Experiment { mut robot, settings, .. } = experiment();
+    robot.a_priori.remove("ia6");
+    robot.a_priori.iter_mut().filter(|(name, _)| name.ends_with('6')).for_each(|(_, value)| *value *= 1e-3);
+    let results = Identification::new(&robot, vec![recording()], settings).unwrap().run().unwrap();
+    let motor = model(&results).parameters.iter().find(|p| p.name == "ia6").unwrap();
+    let error = motor.value / motor.true_value.unwrap() - 1.0;
+    assert!(error.abs() < 0.03, "{motor:?}");
+}
+
 /// Friction in proportion to the load, which the description has not: the model has a term for it, and predictions use it.
 #[test]
 fn friction_that_the_description_lacks_is_a_term_of_the_model() {
