@@ -216,14 +216,23 @@ impl<'s, 'a> Assembly<'s, 'a> {
         nonzero.map(|(joint, inertia)| (format!("ia{}", joint + 1), inertia)).collect()
     }
 
-    /// Notes of the motor inertias of joints that do not move.
+    /// Notes of the motor inertias of joints that do not move, and of motors that drive two joints together.
     pub(super) fn unused_inertias(&self, drives: &NamedDrives<'_>) -> Vec<Doubt> {
         let is_fixed = |name: &str| self.joints.iter().all(|joint| joint.name != name);
         let note = |(name, drive): &(&str, Drive<'_>)| {
             let what = format!("the motor inertia is not used, since joint `{}` is fixed", shortened(name));
             Some(Doubt::note(drive.inertia_place()?, what, "remove the transmission, or let the joint move"))
         };
-        drives.of_joints.iter().filter(|(name, _)| is_fixed(name)).filter_map(note).collect()
+        let of_coupling = |element: Element<'_>| {
+            let what = "the motor inertia is not used, since its motor drives two joints".to_owned();
+            Doubt::note(
+                element.place().to_string(),
+                what,
+                "give ia of the joints and iam of the motors in [parameters]",
+            )
+        };
+        let coupled = drives.couplings.iter().flat_map(Coupling::motor_inertias).map(of_coupling);
+        drives.of_joints.iter().filter(|(name, _)| is_fixed(name)).filter_map(note).chain(coupled).collect()
     }
 
     /// The inertial parameters and friction that differ from zero.

@@ -559,7 +559,7 @@ fn transmissions_of_hardware_interfaces_are_skipped() {
 /// `(m1 / a1 +- m2 / a2) / (2 j)`, four-bar linkage `m1 / (j1 a1)` and `(m2 / a2 - m1 / (j1 a1)) / j2`, plus offsets.
 #[test]
 fn coupled_transmissions_of_ros_are_read() {
-    let pair = |kind: &str, roles: [&str; 2]| {
+    let coupled = |kind: &str, roles: [&str; 2]| {
         let joint = |role: &str, name: &str, ratio: f64, offset: f64| {
             format!(
                 "<joint name='{name}'>{role}<mechanicalReduction>{ratio}</mechanicalReduction><offset>{offset}</offset></joint>"
@@ -575,8 +575,9 @@ fn coupled_transmissions_of_ros_are_read() {
         let alone = ARM.find("<transmission").unwrap()..ARM.find("<gazebo").unwrap();
         let mut text = ARM.to_owned();
         text.replace_range(alone, &of);
-        read(&text).unwrap()
+        text
     };
+    let pair = |kind: &str, roles: [&str; 2]| read(&coupled(kind, roles)).unwrap();
     let motors = Series::shaped(2, vec![7.0, -11.0]);
     let joints = |robot: Robot| robot.transmission.joint_positions(&motors).sample(0).to_vec();
     // The order of the file is elbow, shoulder; the coordinates are shoulder, elbow. Motors stand at the coordinates of their roles.
@@ -587,6 +588,12 @@ fn coupled_transmissions_of_ros_are_read() {
     let found = joints(pair("FourBarLinkageTransmission", roles));
     close(found[0], 7.0 / (2.0 * 50.0) - 0.2);
     close(found[1], (11.0 / 40.0 - 7.0 / (2.0 * 50.0)) / 3.0 + 0.1);
+    // The inertia of a motor that drives both is not used, and a note says so.
+    let text = "<actuator name='x'><motorInertia>1e-4</motorInertia>";
+    let doubts = pair("DifferentialTransmission", roles).doubts;
+    assert_eq!(doubts, []);
+    let with = read(&coupled("DifferentialTransmission", roles).replace("<actuator name='x'>", text)).unwrap();
+    assert!(matches!(&with.doubts[..], [note] if note.what.contains("drives two joints")), "{:?}", with.doubts);
     // Without roles the first of the file is the first: the elbow, with its motor.
     let robot = pair("FourBarLinkageTransmission", ["", ""]);
     assert_eq!(robot.transmission.coupled_motors(), [0]);

@@ -134,6 +134,11 @@ impl<'a> Coupling<'a> {
         let [first, second] = joints;
         Ok(Self { element, joints: [name(first)?, name(second)?], matrix, offset: [offset(first)?, offset(second)?] })
     }
+
+    /// The elements that state the inertias of its motors.
+    pub(super) fn motor_inertias(&self) -> impl Iterator<Item = Element<'a>> + use<'a> {
+        self.element.descendants().filter(|element| MOTOR_INERTIA.contains(&element.tag()))
+    }
 }
 
 /// The two joints or motors of a coupling in the order of their roles, or of the file where they have none.
