@@ -78,8 +78,12 @@ impl Doubt {
 
     /// The same of what another joint moves, by its number from zero. A value that nothing moves is in no equation: a note.
     pub(super) fn carried_by(self, carrier: Option<usize>) -> Self {
-        let grade = if carrier.is_none() { DoubtGrade::Note } else { self.grade };
-        Self { grade, carrier, ..self }
+        let doubt = if carrier.is_none() { self.as_note() } else { self };
+        Self { carrier, ..doubt }
+    }
+
+    pub(super) fn as_note(self) -> Self {
+        Self { grade: DoubtGrade::Note, ..self }
     }
 }
 

@@ -26,10 +26,8 @@ pub(super) fn of(structure: &Structure<'_>, assembly: &Assembly<'_, '_>) -> Resu
     let bodies = assembly.moved_bodies();
     for ((link, body), place) in structure.links.iter().zip(bodies).zip(&assembly.places) {
         let carrier = place.and_then(|place| place.carrier);
-        // A small part of a possible body, such as a foot of a shank, is in equations as the whole.
-        let is_harmless_part = body.is_none() && carrier.is_some_and(|joint| is_possible(assembly.body(joint)));
-        let carrier = carrier.filter(|_| !is_harmless_part);
-        doubts.extend(of_link(*link, body.as_ref())?.map(|doubt| doubt.carried_by(carrier)));
+        let whole = carrier.map(|joint| assembly.body(joint));
+        doubts.extend(of_link(*link, body.as_ref(), whole)?.map(|doubt| doubt.carried_by(carrier)));
     }
     for joint in &structure.joints {
         let number = assembly.joints.iter().position(|moving| moving.name == joint.name);
@@ -44,10 +42,19 @@ fn of_implied_base(base: &ImpliedBase<'_>) -> Doubt {
     Doubt::note(base.element.place().to_string(), what, "add <link name=\"...\"/> of this name")
 }
 
-fn of_link(link: Element<'_>, moved: Option<&RigidBody>) -> Result<Option<Doubt>, UrdfError> {
+/// The doubt about a link; `moved` is its body with everything fixed to it if a joint moves it, `whole` that of which it is a part.
+fn of_link(
+    link: Element<'_>,
+    moved: Option<&RigidBody>,
+    whole: Option<&RigidBody>,
+) -> Result<Option<Doubt>, UrdfError> {
     let Some((inertial, body)) = links::inertial_of(link)? else { return Ok(None) };
     let place = inertial.place().to_string();
-    Ok(of_mass(&place, &body, moved).or_else(|| of_inertia(&place, &body, moved.is_some())))
+    let inertia = || of_inertia(&place, &body, moved.is_some());
+    // The inertia of a part, such as a foot of a shank, is in equations with that of the whole.
+    let is_part = moved.is_none() && whole.is_some_and(is_possible);
+    let of_part = |doubt: Doubt| if is_part { doubt.as_note() } else { doubt };
+    Ok(of_mass(&place, &body, moved).or_else(|| inertia().map(of_part)))
 }
 
 /// Why the mass of a link is in doubt.

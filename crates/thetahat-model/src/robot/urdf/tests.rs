@@ -614,6 +614,10 @@ fn an_impossible_part_of_a_possible_body_is_a_note() {
     let heavy = "<link name=\"lower\"><inertial><mass value=\"2\"/><inertia ixx=\"0.01\" ixy=\"0\" ixz=\"0\" iyy=\"0.01\" iyz=\"0\" \
                  izz=\"0.01\"/></inertial></link>";
     assert_eq!(tool(heavy), [DoubtGrade::Note]);
+    // A mass below zero is none of a part.
+    let negative = ARM.replace("<link name=\"lower\"/>", heavy).replace("mass value=\"0.5\"", "mass value=\"-0.5\"");
+    let grades: Vec<_> = read(&negative).unwrap().doubts.iter().map(|doubt| doubt.grade).collect();
+    assert_eq!(grades, [DoubtGrade::Impossible]);
 }
 
 /// What nothing moves is in no equation: its impossible inertia is a note, and so it is once its joint is locked.
