@@ -78,11 +78,11 @@ impl Doubt {
 
     /// The same of what another joint moves, by its number from zero. A value that nothing moves is in no equation: a note.
     pub(super) fn carried_by(self, carrier: Option<usize>) -> Self {
-        let doubt = if carrier.is_none() { self.as_note() } else { self };
+        let doubt = if carrier.is_none() { self.into_note() } else { self };
         Self { carrier, ..doubt }
     }
 
-    pub(super) fn as_note(self) -> Self {
+    pub(super) fn into_note(self) -> Self {
         Self { grade: DoubtGrade::Note, ..self }
     }
 }

@@ -53,7 +53,7 @@ fn of_link(
     let inertia = || of_inertia(&place, &body, moved.is_some());
     // The inertia of a part, such as a foot of a shank, is in equations with that of the whole.
     let is_part = moved.is_none() && whole.is_some_and(is_possible);
-    let of_part = |doubt: Doubt| if is_part { doubt.as_note() } else { doubt };
+    let of_part = |doubt: Doubt| if is_part { doubt.into_note() } else { doubt };
     Ok(of_mass(&place, &body, moved).or_else(|| inertia().map(of_part)))
 }
 
