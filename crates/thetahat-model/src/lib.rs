@@ -1,14 +1,13 @@
 //! Models of robots: descriptions, dynamics, regressor, base parameters, physical consistency, generated code.
 
-pub mod robot;
+#[doc(inline)]
+pub use thetahat_robot::robot;
 
 pub mod dynamics;
 
 pub mod regressor;
 
 pub mod base_parameters;
-
-pub mod symbolic;
 
 pub mod robot_summary;
 

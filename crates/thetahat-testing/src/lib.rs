@@ -8,6 +8,7 @@ mod mcap;
 mod mjcf;
 mod program;
 mod shared;
+mod terms;
 
 pub use assertions::{assert_close, ensure, ensure_printed};
 pub use folder::Folder;
@@ -18,3 +19,4 @@ pub use shared::{
     Module, Named, data, each_night, has_shared, project, root, run_modules, shared, slow_trials, thinned,
     trials_on_shared_data,
 };
+pub use terms::ROBOT_WITH_TERMS;

@@ -20,12 +20,12 @@ use thetahat_model::{
     consistency::ConsistencyError,
     dynamics::DynamicsError,
     robot::{LockError, RobotError},
-    symbolic::SymbolicError,
 };
 use thetahat_report::{
     report::ReportError,
     results::{ResultsError, SideBySideError},
 };
+use thetahat_symbolic::symbolic::SymbolicError;
 
 /// Any error of the library, for functions that use several modules. Its message and its source are those of the module's error.
 ///

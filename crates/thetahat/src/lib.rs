@@ -119,7 +119,7 @@ pub mod consistency {
 #[cfg(feature = "symbolic")]
 pub mod symbolic {
     #[doc(inline)]
-    pub use thetahat_model::symbolic::{
+    pub use thetahat_symbolic::symbolic::{
         BaseFormulas, DriveTorques, Function, Language, ModelKind, ParameterSet, Request, SymbolicError,
     };
 }

@@ -33,6 +33,8 @@
 //! ```
 
 mod adjoint;
+#[cfg(test)]
+mod branch_tests;
 mod coupled_motor;
 mod damping;
 mod energy;
@@ -48,6 +50,8 @@ mod jump;
 mod mass_matrix;
 mod model;
 mod motion;
+#[cfg(test)]
+mod mujoco_reference;
 mod one_state;
 mod parameters;
 mod propagation;
@@ -60,7 +64,7 @@ mod state;
 mod sum_tests;
 mod term_columns;
 #[cfg(test)]
-pub(crate) mod term_tests;
+mod term_tests;
 mod term_torques;
 mod terms;
 mod twist;
@@ -84,5 +88,6 @@ pub(crate) use motion::LinkMotion;
 pub(crate) use series::gather;
 #[doc(hidden)]
 pub use solve::{factorise, multiply_factors, solve_factorised};
-pub(crate) use term_torques::LEAST_GAS;
+#[doc(hidden)]
+pub use term_torques::LEAST_GAS;
 pub(crate) use twist::Twist;

@@ -11,92 +11,9 @@ use thetahat_ground::{
     series::Series,
     vector::{Vec3, add, norm, times},
 };
+use thetahat_testing::ROBOT_WITH_TERMS;
 
 const SIGN: Sign = Sign::Smooth { scale: 0.1 };
-
-/// A tree with a prismatic joint, a follower and a coupled motor; every kind of term except those of channels and
-/// accelerations.
-pub(crate) const ROBOT: &str = r#"
-name = "all"
-gravity = [0.3, -1.2, -9.7]
-[[joint]]
-name = "a"
-kind = "revolute"
-[[joint]]
-name = "b"
-parent = "a"
-kind = "prismatic"
-alpha_deg = 90
-a_m = 0.2
-[[joint]]
-name = "c"
-parent = "b"
-kind = "revolute"
-alpha_deg = -40
-gamma_deg = 20
-d_m = 0.3
-[[joint]]
-name = "d"
-kind = "revolute"
-parent = "b"
-a_m = 0.4
-mimic = { joint = "a", ratio = -1.5 }
-[transmission]
-matrix = [[45, 0, 0], [0, 20, 0], [3, 0, 32]]
-[parameters]
-m2 = 2.0
-mx3 = 0.4
-m3 = 1.5
-my4 = 0.3
-m4 = 0.7
-[[term]]
-kind = "joint-spring"
-joints = ["a", "d"]
-rest_deg = 25
-[[term]]
-kind = "joint-spring"
-joints = ["b"]
-[[term]]
-kind = "exponential-stribeck"
-velocity = 0.4
-exponent = 1.3
-[[term]]
-kind = "polynomial-viscous"
-powers = [2, 3]
-[[term]]
-kind = "asymmetric-viscous"
-[[term]]
-kind = "load-friction"
-[[term]]
-kind = "motor-harmonics"
-harmonics = [0.05, 0.1]
-[[term]]
-kind = "spring"
-name = "first"
-from = { point_m = [0.5, -0.8, 0.9] }
-to = { link_of = "c", point_m = [0.1, 0.2, -0.3] }
-free_length_m = 0.6
-[[term]]
-kind = "gas-spring"
-name = "second"
-from = { link_of = "d", point_m = [0.3, 0.1, 0.0] }
-to = { link_of = "c", point_m = [-0.2, 0.25, 0.1] }
-extended_length_m = 0.9
-[[term]]
-kind = "hydraulic"
-name = "third"
-direction = "pull"
-from = { point_m = [-0.6, 0.3, 1.0] }
-to = { link_of = "b", point_m = [0.2, 0.0, 0.1] }
-length_m = 1.0
-gas_length_m = 0.8
-exponent = 1.2
-[[term]]
-kind = "expression"
-name = "own"
-joint = "c"
-expression = "sin(2*q) * dq1 + 0.3*s*abs(dq)^0.7 + q2^2"
-"#;
 
 struct Case {
     robot: Robot,
@@ -105,7 +22,7 @@ struct Case {
 }
 
 fn case() -> Case {
-    let robot = Robot::parse(ROBOT, Path::new("all.toml")).unwrap();
+    let robot = Robot::parse(ROBOT_WITH_TERMS, Path::new("all.toml")).unwrap();
     let model = Model::new(&robot);
     let theta = (0..model.parameter_table().len()).map(|i| (1.7 * i as f64).sin()).collect();
     Case { robot, model, theta }
@@ -308,7 +225,8 @@ fn derivatives_are_central_differences() {
 
 #[test]
 fn what_cannot_be_a_term_is_named() {
-    let message = |from: &str, to: &str| match Robot::parse(&ROBOT.replace(from, to), Path::new("all.toml")) {
+    let message = |from: &str, to: &str| match Robot::parse(&ROBOT_WITH_TERMS.replace(from, to), Path::new("all.toml"))
+    {
         Err(RobotError::Term { source, .. }) => source.to_string(),
         Err(other) => other.to_string(),
         Ok(_) => "read".to_owned(),

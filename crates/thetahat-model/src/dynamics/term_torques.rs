@@ -15,7 +15,8 @@ use thetahat_ground::{
 };
 
 /// Smallest fraction of the gas that a cylinder leaves: beyond it the force no longer grows.
-pub(crate) const LEAST_GAS: f64 = 0.05;
+#[doc(hidden)]
+pub const LEAST_GAS: f64 = 0.05;
 
 /// Bodies that move with a joint: their mass, and their first moments in its frame.
 #[derive(Clone, Copy)]

@@ -1,6 +1,6 @@
 //! The torques of the drives: motor inertia, friction, offset, and other terms that act on one joint or one coupled motor.
 //!
-//! The torque of a term for a unit of its parameter is defined only in [`JointQuantity::torque`] and [`MotorQuantity::torque`],
+//! The torque of a term for a unit of its parameter is defined only in [`JointState::unit_torque`] and [`CoupledMotor::unit_torque`],
 //! the columns of the regressor. Inverse dynamics sums these columns. It combines the terms of the usual friction models
 //! ([`JointTerms`]), which takes fewer operations for the same sum; a term that [`JointTerms::insert`] rejects is summed by its
 //! column, and must not depend on the acceleration, because the mass matrix contains only the motor inertia.
@@ -37,36 +37,42 @@ impl<T: Real> JointState<T> {
     pub(super) fn new(dq: T, ddq: T, sign: Sign) -> Self {
         Self { dq, ddq, s: sign.of_each(dq) }
     }
-}
 
-impl JointQuantity {
     /// Torque on the joint for a unit of the parameter.
     #[inline(always)]
-    pub(crate) fn torque<T: Real>(self, state: &JointState<T>) -> T {
-        let JointState { dq, ddq, s } = *state;
+    pub(crate) fn unit_torque(&self, quantity: JointQuantity) -> T {
+        let Self { dq, ddq, s } = *self;
         let one = dq.like(1.0);
-        match self {
-            Self::Ia => ddq,
-            Self::Fv => dq,
-            Self::Fc => s,
-            Self::Fvp => (one + s) * 0.5 * dq,
-            Self::Fcp => (one + s) * 0.5,
-            Self::Fvn => (one - s) * 0.5 * dq,
-            Self::Fcn => (one - s) * -0.5,
-            Self::Off => one,
+        match quantity {
+            JointQuantity::Ia => ddq,
+            JointQuantity::Fv => dq,
+            JointQuantity::Fc => s,
+            JointQuantity::Fvp => (one + s) * 0.5 * dq,
+            JointQuantity::Fcp => (one + s) * 0.5,
+            JointQuantity::Fvn => (one - s) * 0.5 * dq,
+            JointQuantity::Fcn => (one - s) * -0.5,
+            JointQuantity::Off => one,
         }
     }
 }
 
-impl MotorQuantity {
-    /// Torque on a coordinate for a unit of the parameter of `motor`.
+impl CoupledMotor {
+    /// Torque on a coordinate for a unit of the motor's parameter.
     #[inline(always)]
-    pub(crate) fn torque<T: Real>(self, motor: &CoupledMotor, coordinate: usize, dq: &[T], ddq: &[T], sign: Sign) -> T {
-        let own = motor.weights.iter().find(|(j, _)| *j == coordinate).map_or(0.0, |(_, w)| *w);
-        match self {
-            Self::Iam => (motor.rate(ddq) - ddq[coordinate] * own) * own,
-            Self::Fvm => (motor.rate(dq) - dq[coordinate] * own) * own,
-            Self::Fcm => sign.of_each(motor.rate(dq)) * own,
+    pub(crate) fn unit_torque<T: Real>(
+        &self,
+        quantity: MotorQuantity,
+        coordinate: usize,
+        state: State<'_, T>,
+        ddq: &[T],
+        sign: Sign,
+    ) -> T {
+        let own = self.weights.iter().find(|(j, _)| *j == coordinate).map_or(0.0, |(_, w)| *w);
+        let dq = state.dq;
+        match quantity {
+            MotorQuantity::Iam => (self.rate(ddq) - ddq[coordinate] * own) * own,
+            MotorQuantity::Fvm => (self.rate(dq) - dq[coordinate] * own) * own,
+            MotorQuantity::Fcm => sign.of_each(self.rate(dq)) * own,
         }
     }
 }
@@ -149,7 +155,7 @@ impl<P: Copy> OtherTerm<P> {
     where
         P: Parameter<T>,
     {
-        self.quantity.torque(state) * self.value.in_lanes(state.dq)
+        state.unit_torque(self.quantity) * self.value.in_lanes(state.dq)
     }
 }
 

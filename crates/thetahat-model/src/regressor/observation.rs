@@ -52,15 +52,17 @@ impl DriveEntry {
     pub(super) fn evaluate<T: Real>(&self, model: &Model, state: State<'_, T>, ddq: &[T], sign: Sign) -> T {
         match *self {
             Self::Motor { quantity, motor, coordinate } => {
-                quantity.torque(&model.coupled_motors()[motor], coordinate, state.dq, ddq, sign)
+                model.coupled_motors()[motor].unit_torque(quantity, coordinate, state, ddq, sign)
             }
             Self::Term { column, coordinate } => {
                 model.term_torque(&model.terms()[column], coordinate, state, ddq, sign)
             }
             Self::Sum { quantity, joint, ratio } => {
-                quantity.torque(&model.drive_state(joint, state, ddq, sign)) * ratio
+                model.drive_state(joint, state, ddq, sign).unit_torque(quantity) * ratio
             }
-            Self::Joint { quantity, moved_by } => quantity.torque(&moved_by.state(state, ddq, sign)) * moved_by.ratio,
+            Self::Joint { quantity, moved_by } => {
+                moved_by.state(state, ddq, sign).unit_torque(quantity) * moved_by.ratio
+            }
         }
     }
 

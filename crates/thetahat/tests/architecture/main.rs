@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use imports::{Module, Sources};
 
 /// The library's crates that have rooms, in the order of building.
-const CRATES: [&str; 6] = ["ground", "model", "data", "estimation", "report", ""];
+const CRATES: [&str; 8] = ["ground", "robot", "model", "symbolic", "data", "estimation", "report", ""];
 
 /// The folder of the crates: a checkout has all of them.
 fn crates() -> PathBuf {

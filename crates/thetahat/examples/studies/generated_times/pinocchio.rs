@@ -11,7 +11,7 @@ use thetahat::{
     Robot,
     symbolic::{DriveTorques, Function, ModelKind, ParameterSet, Request},
 };
-use thetahat_model::symbolic::Inputs;
+use thetahat_symbolic::symbolic::Inputs;
 
 /// Finds the folder of its headers.
 const PREFIX: &str = "import pathlib, pinocchio; print(pathlib.Path(pinocchio.__file__).parents[4])";

@@ -6,7 +6,7 @@ use thetahat::{
     Robot,
     symbolic::{DriveTorques, Function, ModelKind, ParameterSet, Request},
 };
-use thetahat_model::symbolic::OperationCount;
+use thetahat_symbolic::symbolic::OperationCount;
 
 /// Robots by name, with their files from the root of the checkout.
 pub const ROBOTS: [(&str, &str); 9] = [

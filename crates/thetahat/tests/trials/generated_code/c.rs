@@ -5,7 +5,7 @@ use std::process::Command;
 
 use libtest_mimic::Failed;
 use thetahat::symbolic::Language;
-use thetahat_model::symbolic::Array;
+use thetahat_symbolic::symbolic::Array;
 use thetahat_testing::{Folder, ensure};
 
 use super::{STATES, Sample, WITH_TERMS, check_printed, output, samples};

@@ -20,7 +20,7 @@ use thetahat::{
     robot::{Locks, RobotSource},
     symbolic::{Function, ModelKind, ParameterSet, Request},
 };
-use thetahat_model::symbolic::{Array, Inputs};
+use thetahat_symbolic::symbolic::{Array, Inputs};
 
 const ROBOTS: [&str; 9] = [
     "two_joint.toml",

@@ -1,0 +1,104 @@
+//! Every model in `models` against MuJoCo; `values.toml` states the version, `make.py` printed it.
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+use crate::{
+    dynamics::{DynamicParameters, Model, Sign, State, Workspace},
+    robot::{Quantity, Robot, Role},
+};
+
+/// Largest difference relative to the largest entry: rounding in two programs that add in different orders.
+const ROUNDING: f64 = 1e-9;
+/// Torques below this are zero, N m.
+const ZERO: f64 = 1e-3;
+const VALUES: &str = include_str!("values.toml");
+
+#[derive(Deserialize)]
+struct Values {
+    model: Vec<ModelValues>,
+}
+
+#[derive(Deserialize)]
+struct ModelValues {
+    name: String,
+    joints: usize,
+    frictionloss: Vec<f64>,
+    state: Vec<StateValues>,
+}
+
+#[derive(Deserialize)]
+struct StateValues {
+    q: Vec<f64>,
+    dq: Vec<f64>,
+    ddq: Vec<f64>,
+    mass: Vec<f64>,
+    bias: Vec<f64>,
+    tau: Vec<f64>,
+}
+
+fn robot(name: &str) -> Robot {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/dynamics/mujoco_reference/models");
+    Robot::read(&folder.join(name).with_extension("xml")).unwrap()
+}
+
+/// The parameters of a robot without those of some roles.
+fn parameters(model: &Model, robot: &Robot, without: &[Role]) -> DynamicParameters {
+    let mut theta = robot.a_priori_parameters();
+    for (value, parameter) in theta.iter_mut().zip(model.parameter_table().iter()) {
+        if without.contains(&parameter.quantity.role()) {
+            *value = 0.0;
+        }
+    }
+    DynamicParameters::new(model, &theta).unwrap()
+}
+
+fn torques(model: &Model, parameters: &DynamicParameters, state: &StateValues, ddq: &[f64]) -> Vec<f64> {
+    let mut tau = vec![0.0; ddq.len()];
+    let mut workspace = Workspace::new(model);
+    let at = State::new(&state.q, &state.dq);
+    model.inverse_dynamics(parameters, at, ddq, Sign::Exact, &mut workspace, &mut tau);
+    tau
+}
+
+fn same(found: &[f64], expected: &[f64], what: &str) {
+    assert_eq!(found.len(), expected.len(), "{what}");
+    let largest = expected.iter().fold(ZERO, |largest, value| largest.max(value.abs()));
+    for (found, expected) in found.iter().zip(expected) {
+        assert!((found - expected).abs() <= ROUNDING * largest, "{what}: {found} against {expected}");
+    }
+}
+
+#[test]
+fn mass_matrix_bias_forces_and_inverse_dynamics_are_those_of_mujoco() {
+    let values: Values = toml::from_str(VALUES).unwrap();
+    assert_eq!(values.model.len(), 26);
+    for ModelValues { name, joints, state, .. } in values.model {
+        let robot = robot(&name);
+        let model = Model::new(&robot);
+        assert_eq!(robot.coordinate_count(), joints, "{name}");
+        let full = parameters(&model, &robot, &[Role::CoulombFriction]);
+        let links = parameters(&model, &robot, &[Role::CoulombFriction, Role::ViscousFriction, Role::Load]);
+        for state in &state {
+            let mut mass = vec![0.0; joints * joints];
+            model.mass_matrix(&full, &state.q, &mut Workspace::new(&model), &mut mass);
+            same(&mass, &state.mass, &format!("{name}, mass matrix"));
+            same(&torques(&model, &links, state, &vec![0.0; joints]), &state.bias, &format!("{name}, bias forces"));
+            same(&torques(&model, &full, state, &state.ddq), &state.tau, &format!("{name}, inverse dynamics"));
+        }
+    }
+}
+
+#[test]
+fn friction_is_the_frictionloss_of_mujoco() {
+    let values: Values = toml::from_str(VALUES).unwrap();
+    for ModelValues { name, frictionloss, .. } in values.model {
+        let robot = robot(&name);
+        let (table, theta) = (robot.parameter_table(), robot.a_priori_parameters());
+        let of_coordinate = |parameter: &crate::robot::Parameter| robot.joints[parameter.number - 1].mimic.is_none();
+        let is_friction = |quantity: Quantity| quantity.is_coulomb_friction() && !quantity.is_coupled_motor();
+        let found = table.iter().zip(&theta).filter(|(p, _)| is_friction(p.quantity) && of_coordinate(p));
+        same(&found.map(|(_, value)| *value).collect::<Vec<_>>(), &frictionloss, &name);
+    }
+}

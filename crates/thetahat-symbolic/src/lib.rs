@@ -1,0 +1,3 @@
+//! Models of robots as expressions, and code for them in five languages.
+
+pub mod symbolic;
