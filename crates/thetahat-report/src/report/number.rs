@@ -30,7 +30,7 @@ pub(super) fn optional(value: Option<f64>, digits: usize) -> String {
 /// Decimals that show two significant digits of a standard deviation.
 fn decimals_of(deviation: f64) -> Option<usize> {
     let usable = deviation.is_finite() && deviation > 0.0;
-    usable.then(|| 1 - magnitude(deviation)).filter(|d| *d <= 7).map(|d| usize::try_from(d).unwrap_or(0))
+    usable.then(|| 1 - magnitude(deviation)).filter(|d| *d <= 9).map(|d| usize::try_from(d).unwrap_or(0))
 }
 
 /// An estimate to two significant digits of its standard deviation.

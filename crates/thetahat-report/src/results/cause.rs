@@ -15,6 +15,10 @@ pub enum CauseKind {
     EncoderZero,
     /// The positions of a joint are too large by a ratio, and its torques too small.
     GearRatio,
+    /// The torques of a joint are too large by a ratio.
+    DriveGain,
+    /// The torque offset of joints changes with time, or from some instant on.
+    OffsetDrift,
     /// A joint yields between its encoder and its link.
     Elasticity,
     /// A joint is not where the description has it.
@@ -33,10 +37,12 @@ pub enum CauseKind {
 
 impl CauseKind {
     /// All kinds.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::LateTorque,
         Self::EncoderZero,
         Self::GearRatio,
+        Self::DriveGain,
+        Self::OffsetDrift,
         Self::Elasticity,
         Self::Length,
         Self::Coupling,
@@ -53,6 +59,8 @@ impl CauseKind {
             Self::LateTorque => "torques that are late",
             Self::EncoderZero => "a wrong encoder zero",
             Self::GearRatio => "a wrong gear ratio",
+            Self::DriveGain => "a wrong drive gain",
+            Self::OffsetDrift => "torque offsets that change",
             Self::Elasticity => "an elastic joint",
             Self::Length => "a wrong length",
             Self::Coupling => "a coupling of motors",
@@ -68,10 +76,11 @@ impl CauseKind {
     pub fn with_subject(self, subject: &str) -> String {
         match self {
             _ if subject.is_empty() => self.words().to_owned(),
-            Self::Payload => format!("{} {subject}", self.words()),
+            Self::Payload | Self::OffsetDrift => format!("{} {subject}", self.words()),
             Self::LateTorque
             | Self::EncoderZero
             | Self::GearRatio
+            | Self::DriveGain
             | Self::Elasticity
             | Self::Length
             | Self::Coupling
@@ -151,7 +160,7 @@ impl SmallestShown {
 fn shown_in(kind: CauseKind, unit: &str) -> (f64, &str) {
     match (kind, unit) {
         (CauseKind::LateTorque, _) => (1e3, "ms"),
-        (CauseKind::GearRatio, _) => (100.0, "%"),
+        (CauseKind::GearRatio | CauseKind::DriveGain, _) => (100.0, "%"),
         (CauseKind::Length, _) | (CauseKind::EncoderZero, "m") => (1e3, "mm"),
         (_, unit) => (1.0, unit),
     }

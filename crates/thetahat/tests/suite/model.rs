@@ -136,6 +136,37 @@ fn gear_ratios_that_hide_each_other_are_named_together() {
     assert!(causes.iter().any(|c| c.kind == CauseKind::GearRatio), "{causes:?}");
 }
 
+/// The torque of joint 2 is 15 % too large.
+#[test]
+fn a_wrong_drive_gain_is_named_with_its_size() {
+    let clean = recording();
+    let mut torque = clean.torque.clone().unwrap();
+    (0..torque.len()).for_each(|k| torque.sample_mut(k)[1] *= 1.15);
+    let results = identify(Recording { torque: Some(torque), ..clean });
+    let causes = &model(&results).causes;
+    let gain = causes.iter().find(|c| c.kind == CauseKind::DriveGain && c.subject == "joint 2");
+    let gain = gain.unwrap_or_else(|| panic!("{causes:?}"));
+    let (size, deviation) = (gain.size.unwrap(), gain.standard_deviation.unwrap());
+    assert!((size - 0.15).abs() < 3.0 * deviation && deviation < 0.05, "{size} +- {deviation}");
+    assert_eq!(results.verdict, Some(Verdict::Care), "{:?}", results.verdict_reasons);
+}
+
+/// The torque sensor of joint 2 has another zero from the middle of the recording on.
+#[test]
+fn an_offset_that_jumps_is_named() {
+    let Experiment { robot, mut settings, .. } = experiment();
+    settings.signal.decimation = 20;
+    let clean = recording();
+    let mut torque = clean.torque.clone().unwrap();
+    let length = torque.len();
+    (length / 2..length).for_each(|k| torque.sample_mut(k)[1] += 5.0);
+    let recording = Recording { torque: Some(torque), ..clean };
+    let results = Identification::new(&robot, vec![recording], settings).unwrap().run().unwrap();
+    let causes = &model(&results).causes;
+    assert!(causes.iter().any(|c| c.kind == CauseKind::OffsetDrift), "{causes:?}");
+    assert!(results.verdict != Some(Verdict::Good), "{:?}", results.verdict_reasons);
+}
+
 /// A recording of another robot's torques has a model that is not to be used.
 #[test]
 fn torques_that_do_not_belong_are_refused() {

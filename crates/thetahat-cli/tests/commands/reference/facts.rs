@@ -229,7 +229,7 @@ pub const FINDINGS: [[&str; 4]; 42] = [
     [
         "a-priori-scale",
         "problem, warning",
-        "factor between the torques and those of the description's masses, of the same form ({checks/robot/a_priori LIMIT}, up or down); a problem where several joints have it",
+        "factor between the torques and those of the description's masses, of the same form ({checks/robot/a_priori LIMIT}, up or down); a problem where several joints have it, or one where two others agree with the masses",
         "correct `side`, `unit` or `gain` of the torque",
     ],
     [

@@ -39,6 +39,8 @@ const THOUSAND: f64 = 1e3;
 const TIMES: [(&str, f64); 3] = [("ms", 1e3), ("us", 1e6), ("ns", 1e9)];
 /// Number of joints with the same factor from which wrong masses are no explanation.
 const SEVERAL: usize = 3;
+/// Number of other joints that agree with the masses from which the torque of one joint is wrong, not its masses.
+const WITNESSES: usize = 2;
 
 /// How many times larger a joint's torque is than the torque of its a-priori masses.
 struct Scale {
@@ -59,8 +61,10 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &ThinnedRe
     let factors: Vec<f64> = wrong.iter().map(|s| s.factor).collect();
     let middle = median(&factors);
     let common = wrong.len() >= SEVERAL.min(scales.len()) && wrong.len() > 1;
+    let agreeing = scales.iter().filter(|s| off(s.factor) < ALIKE).count();
+    let is_single = wrong.len() == 1 && agreeing >= WITNESSES;
     let is_absurd = off(middle) > ABSURD;
-    let severity = if common || is_absurd { Severity::Problem } else { Severity::Warning };
+    let severity = if common || is_single || is_absurd { Severity::Problem } else { Severity::Warning };
     let only = if wrong.len() == 1 { Some(wrong[0].coordinate) } else { None };
     exam.raise(evidence(only, off(middle)), severity, finding_text(exam.subject.robot, &wrong, middle, common));
 }

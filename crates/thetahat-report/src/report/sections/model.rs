@@ -23,8 +23,8 @@ pub(in crate::report) fn brief(results: &Results, width: TextWidth) -> String {
     };
     let shares = error.joints.iter().map(|e| e.near_rest_share_percent);
     let [least, most] = [shares.clone().fold(100.0, f64::min), shares.fold(0.0, f64::max)];
-    let all = format!("  the model, unseen, each joint %: {}", of(|e| e.percent));
-    let rest = format!("  near rest ({least:.0} to {most:.0} % of samples): {}", of(|e| e.near_rest_percent));
+    let all = format!("  the model on data not used, each joint %: {}", of(|e| e.percent));
+    let rest = format!("  the same near rest ({least:.0} to {most:.0} % of samples): {}", of(|e| e.near_rest_percent));
     [all, rest].map(|line| wrap(line.trim_start(), "  ", width)).concat()
 }
 
@@ -130,7 +130,7 @@ fn causes(model: &ModelResult) -> Option<Table> {
         .filter(|c| !c.rivals.is_empty())
         .map(|c| format!("{} is not separated from {}", c.kind.with_subject(&c.subject), c.rivals.join(", ")));
     let smallest = (!model.smallest_shown.is_empty()).then(|| {
-        let kinds = [CauseKind::GearRatio, CauseKind::EncoderZero, CauseKind::Length];
+        let kinds = [CauseKind::GearRatio, CauseKind::DriveGain, CauseKind::EncoderZero, CauseKind::Length];
         let least = |kind: &CauseKind| {
             let of_kind = model.smallest_shown.iter().filter(|s| s.kind == *kind);
             of_kind.min_by(|a, b| a.size.total_cmp(&b.size)).map(SmallestShown::in_words)

@@ -42,9 +42,10 @@ pub fn card_text(results: &Results, width: TextWidth) -> String {
     let card = results.card();
     let because = because(results).into_iter().map(|text| ("because", text));
     let next = if card.verdict == Some(Verdict::Good) { "to improve" } else { "next" };
+    let several = card.actions.len() > 1;
     let numbered = |(number, action): (usize, &String)| {
         let label = if number == 0 { next } else { "" };
-        (label, format!("{}. {action}", number + 1))
+        (label, if several { format!("{}. {action}", number + 1) } else { action.clone() })
     };
     let lines = facts(&card).into_iter().chain(because).chain(card.actions.iter().enumerate().map(numbered));
     lines.map(|(label, text)| labelled(label, &text, LABEL, width)).collect()

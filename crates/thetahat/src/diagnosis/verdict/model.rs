@@ -121,6 +121,8 @@ fn cause(results: &Results, found: &ModelCause) -> Option<VerdictReason> {
         CauseKind::Payload
         | CauseKind::EncoderZero
         | CauseKind::GearRatio
+        | CauseKind::DriveGain
+        | CauseKind::OffsetDrift
         | CauseKind::Elasticity
         | CauseKind::Length
         | CauseKind::Coupling
@@ -162,6 +164,10 @@ fn remedy(results: &Results, found: &ModelCause) -> String {
         CauseKind::LateTorque => "set delay_s of the torque as the finding lag says".to_owned(),
         CauseKind::EncoderZero => format!("check the zero of {} against the description", found.subject),
         CauseKind::GearRatio => format!("check the gear ratio of {}", found.subject),
+        CauseKind::DriveGain => format!("check the torque constant and the gear ratio of {}", found.subject),
+        CauseKind::OffsetDrift => {
+            "start the window after the change, or set the torque sensors to zero again".to_owned()
+        }
         CauseKind::Elasticity => "stay below its resonance, or record at the link".to_owned(),
         CauseKind::Length => "check the lengths of the description".to_owned(),
         CauseKind::Coupling => "state the coupling in [transmission] of the robot".to_owned(),

@@ -12,7 +12,7 @@ pub(super) fn of_causes(experiment: &Experiment, causes: &[ModelCause]) -> Vec<C
 
 fn of_cause(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
     match cause.kind {
-        CauseKind::GearRatio => of_gear(experiment, cause),
+        CauseKind::GearRatio | CauseKind::DriveGain => of_scale(experiment, cause),
         CauseKind::LoadFriction => {
             let term = "load-friction".to_owned();
             let step = RecordingStep {
@@ -26,6 +26,7 @@ fn of_cause(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
         }
         CauseKind::LateTorque
         | CauseKind::EncoderZero
+        | CauseKind::OffsetDrift
         | CauseKind::Elasticity
         | CauseKind::Length
         | CauseKind::Coupling
@@ -41,9 +42,9 @@ fn candidate(cause: &ModelCause, code: String, step: RecordingStep) -> Candidate
     Candidate { code, coordinate: None, found, finding: None, also, cause: Some(cause.kind), step, before }
 }
 
-/// Positions that are too large by a ratio, and torques that are too small by it, in every recording. A simulated loop has the
-/// ratio of the description, which no channel changes.
-fn of_gear(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
+/// Positions that are too large by a ratio, and torques that are too small by it, or torques that are too large, in every recording. A
+/// simulated loop has the ratio of the description, which no channel changes.
+fn of_scale(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
     let n = experiment.robot.coordinate_count();
     let number = cause.subject.strip_prefix("joint ").and_then(|number| number.parse::<usize>().ok());
     let Some((number, size)) = number.filter(|k| (1..=n).contains(k)).zip(cause.size) else { return Vec::new() };
@@ -52,8 +53,11 @@ fn of_gear(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
     }
     let ratio = 1.0 + size;
     let factors = |factor: f64| (1..=n).map(|k| if k == number { factor } else { 1.0 }).collect();
-    let step = RemedyStep::Scale { position: factors(1.0 / ratio), torque: factors(ratio) };
-    let code = format!("gear-ratio-{}", experiment.robot.joint_of(number - 1) + 1);
+    let of_gear = cause.kind == CauseKind::GearRatio;
+    let [position, torque] = if of_gear { [1.0 / ratio, ratio] } else { [1.0, 1.0 / ratio] };
+    let step = RemedyStep::Scale { position: factors(position), torque: factors(torque) };
+    let name = if of_gear { "gear-ratio" } else { "drive-gain" };
+    let code = format!("{name}-{}", experiment.robot.joint_of(number - 1) + 1);
     let of = |held_back: bool, all: &[RecordingDescription]| -> Vec<Candidate> {
         let one = |(i, d): (usize, &RecordingDescription)| {
             let step = RecordingStep {

@@ -106,6 +106,8 @@ fn add_causes_in_model(model: &mut ModelResult, described: Vec<ModelCause>) {
         CauseKind::LateTorque
         | CauseKind::EncoderZero
         | CauseKind::GearRatio
+        | CauseKind::DriveGain
+        | CauseKind::OffsetDrift
         | CauseKind::Elasticity
         | CauseKind::Length
         | CauseKind::Coupling

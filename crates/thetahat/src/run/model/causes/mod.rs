@@ -35,6 +35,8 @@ const RIVAL: f64 = 0.6;
 const MOST: usize = 4;
 /// Largest angle, length or change of a ratio that is named, rad, m or 1.
 const LARGEST: f64 = 0.3;
+/// Largest part of a recorded torque that is too much: the torque of the model follows a larger one too little.
+const LARGEST_GAIN: f64 = 0.5;
 /// Deviations of a parameter's shift from which a cause has moved it.
 const MOVED: f64 = 1.0;
 
@@ -155,6 +157,8 @@ impl Search<'_> {
             CauseKind::LateTorque
             | CauseKind::EncoderZero
             | CauseKind::GearRatio
+            | CauseKind::DriveGain
+            | CauseKind::OffsetDrift
             | CauseKind::Length
             | CauseKind::Coupling
             | CauseKind::Payload => false,
@@ -179,8 +183,9 @@ fn named_below(identification: &Identification) -> f64 {
 fn smallest_shown(residual: &Residual, candidate: usize, named_below: f64) -> Option<SmallestShown> {
     let cause = &residual.candidates[candidate].cause;
     match cause.kind {
-        CauseKind::EncoderZero | CauseKind::GearRatio | CauseKind::Length => {}
+        CauseKind::EncoderZero | CauseKind::GearRatio | CauseKind::DriveGain | CauseKind::Length => {}
         CauseKind::LateTorque
+        | CauseKind::OffsetDrift
         | CauseKind::Elasticity
         | CauseKind::Coupling
         | CauseKind::LoadFriction
@@ -204,12 +209,13 @@ fn smallest_shown(residual: &Residual, candidate: usize, named_below: f64) -> Op
 impl Evidence {
     /// The cause with what was found of it.
     fn named(&self, cause: &Cause, rivals: Vec<String>) -> ModelCause {
+        let size = self.size.map(|size| if cause.kind == CauseKind::DriveGain { of_recorded(size) } else { size });
         ModelCause {
             kind: cause.kind,
             subject: cause.subject.clone(),
             log10_probability: self.log10_p,
-            size: self.size.map(|s| s[0]),
-            standard_deviation: self.size.map(|s| s[1]),
+            size: size.map(|s| s[0]),
+            standard_deviation: size.map(|s| s[1]),
             unit: cause.unit.to_owned(),
             error_percent: self.error_percent,
             rivals,
@@ -219,11 +225,17 @@ impl Evidence {
     }
 }
 
+/// The error of a gain, with its deviation, from the part `e` of the recorded torque that is too much: `g / (1 + g) = e`.
+fn of_recorded([part, deviation]: [f64; 2]) -> [f64; 2] {
+    [part / (1.0 - part), deviation / (1.0 - part).powi(2)]
+}
+
 impl Cause {
     /// Whether it is the same error in other words: another instant of a payload, or one place and several.
     fn is_part_of(&self, other: &Self) -> bool {
         let several = !self.members.is_empty() || !other.members.is_empty();
-        self.kind == other.kind && (self.kind == CauseKind::Payload || several)
+        let is_of_instants = matches!(self.kind, CauseKind::Payload | CauseKind::OffsetDrift);
+        self.kind == other.kind && (is_of_instants || several)
     }
 
     /// Whether its size is one for which a derivative says anything.
@@ -231,8 +243,10 @@ impl Cause {
         let Some([size, _]) = found.size else { return true };
         match self.kind {
             CauseKind::EncoderZero | CauseKind::GearRatio | CauseKind::Length => size.abs() < LARGEST,
+            CauseKind::DriveGain => size.abs() < LARGEST_GAIN,
             CauseKind::Elasticity => size > 0.0,
             CauseKind::LateTorque
+            | CauseKind::OffsetDrift
             | CauseKind::Coupling
             | CauseKind::LoadFriction
             | CauseKind::SpeedFriction

@@ -17,7 +17,7 @@ use thetahat_model::{
 };
 use thetahat_report::results::CauseKind;
 
-/// Instants at which a payload may have been picked up.
+/// Instants at which a payload may have been picked up, or offsets may have changed.
 const INSTANTS: usize = 15;
 /// Step of the differences: of a ratio, rad or m.
 const STEP: f64 = 1e-3;
@@ -36,8 +36,10 @@ enum Tried {
     LoadFriction,
     SpeedFriction,
     FrictionDrift,
+    OffsetDrift,
     Zero(usize),
     Gear(usize),
+    DriveGain(usize),
     Elastic(usize),
     Length(usize, usize),
     Coupling(usize),
@@ -133,17 +135,23 @@ impl<'a> Torques<'a> {
         let tried = self.tried();
         let found: Vec<Cause> =
             in_parallel(tried.len(), threads, |k| self.cause(tried[k])).into_iter().flatten().collect();
-        let together =
-            [CauseKind::EncoderZero, CauseKind::GearRatio, CauseKind::Length].map(|k| Cause::together(k, &found));
-        found.into_iter().chain(together.into_iter().flatten()).chain(self.payloads()).collect()
+        let together = [CauseKind::EncoderZero, CauseKind::GearRatio, CauseKind::DriveGain, CauseKind::Length]
+            .map(|k| Cause::together(k, &found));
+        found.into_iter().chain(together.into_iter().flatten()).chain(self.instants()).collect()
     }
 
     fn tried(&self) -> Vec<Tried> {
         let joints = self.joints();
         let revolute = (0..joints).filter(|&j| self.kind(j) == JointKind::Revolute);
         let lengths = (1..self.robot.joints.len()).flat_map(|k| (0..3).map(move |axis| Tried::Length(k, axis)));
-        let mut tried = vec![Tried::LateTorque, Tried::LoadFriction, Tried::SpeedFriction, Tried::FrictionDrift];
-        tried.extend((0..joints).flat_map(|j| [Tried::Zero(j), Tried::Gear(j)]));
+        let mut tried = vec![
+            Tried::LateTorque,
+            Tried::LoadFriction,
+            Tried::SpeedFriction,
+            Tried::FrictionDrift,
+            Tried::OffsetDrift,
+        ];
+        tried.extend((0..joints).flat_map(|j| [Tried::Zero(j), Tried::Gear(j), Tried::DriveGain(j)]));
         tried.extend(revolute.map(Tried::Elastic));
         tried.extend(lengths);
         tried.extend((1..joints).map(|j| Tried::Coupling(j - 1)));
@@ -158,11 +166,13 @@ impl<'a> Torques<'a> {
             Tried::LoadFriction => (CauseKind::LoadFriction, nothing(), "", self.load_friction()),
             Tried::SpeedFriction => (CauseKind::SpeedFriction, nothing(), "", self.speed_friction()),
             Tried::FrictionDrift => (CauseKind::FrictionDrift, nothing(), "", self.friction_drift()),
+            Tried::OffsetDrift => (CauseKind::OffsetDrift, nothing(), "", self.offset_drift()),
             Tried::Zero(j) => {
                 let unit = if self.kind(j) == JointKind::Revolute { "rad" } else { "m" };
                 (CauseKind::EncoderZero, joint(j), unit, vec![self.moved_zero(j)])
             }
             Tried::Gear(j) => (CauseKind::GearRatio, joint(j), "", vec![self.gear(j)]),
+            Tried::DriveGain(j) => (CauseKind::DriveGain, joint(j), "", vec![self.drive_gain(j)]),
             Tried::Elastic(j) => (CauseKind::Elasticity, joint(j), "rad/(N m)", vec![self.elastic(j)]),
             Tried::Length(k, axis) => {
                 let subject = format!("link {k} along {}", ["x", "y", "z"][axis]);
@@ -222,6 +232,16 @@ impl<'a> Torques<'a> {
             (0..torque.len()).for_each(|k| torque.sample_mut(k)[j] /= 1.0 + STEP);
             Some(torque)
         })
+    }
+
+    /// Torques that are too large by a ratio.
+    fn drive_gain(&self, joint: usize) -> Option<Vec<f64>> {
+        let torques = self.predicted.iter().map(|predicted| {
+            let mut torque = Series::zeros(predicted.len(), self.joints());
+            (0..torque.len()).for_each(|k| torque.sample_mut(k)[joint] = predicted.sample(k)[joint]);
+            torque
+        });
+        self.column(torques.collect())
     }
 
     fn length(&self, joint: usize, axis: usize) -> Option<Vec<f64>> {
@@ -354,8 +374,15 @@ impl<'a> Torques<'a> {
         columns
     }
 
-    /// Another last link from some instant on, in one recording.
-    fn payloads(&self) -> Vec<Cause> {
+    /// Offsets that grow with time; each recording from its own beginning.
+    fn offset_drift(&self) -> Vec<Option<Vec<f64>>> {
+        let of_joint =
+            |joint: usize| self.each(|r, k, j| if j == joint { k as f64 / r.motion.dq.len() as f64 } else { 0.0 });
+        (0..self.joints()).map(of_joint).collect()
+    }
+
+    /// Another last link, or other offsets, from some instant on, in one recording.
+    fn instants(&self) -> Vec<Cause> {
         let mut recordings = self.recordings();
         let (Some(recording), None) = (recordings.next(), recordings.next()) else { return Vec::new() };
         let table = self.problem.model.parameter_table();
@@ -366,9 +393,11 @@ impl<'a> Torques<'a> {
             theta[i] = 1.0;
             self.column(vec![self.of(&self.problem.model, &theta, &recording.motion, recording)?])
         };
-        let Some(units) = indices.map(unit).collect::<Option<Vec<_>>>() else { return Vec::new() };
+        let Some(body) = indices.map(unit).collect::<Option<Vec<_>>>() else { return Vec::new() };
+        let offset = |joint: usize| self.each(|_, _, j| if j == joint { 1.0 } else { 0.0 });
+        let Some(offsets) = (0..self.joints()).map(offset).collect::<Option<Vec<_>>>() else { return Vec::new() };
         let per_joint = self.rows.rows_of_joint();
-        let from = |instant: usize| {
+        let from = |instant: usize, kind: CauseKind, units: &[Vec<f64>]| {
             let start = per_joint * (instant + 2) / (INSTANTS + 3);
             let after = |unit: &Vec<f64>| {
                 unit.iter().enumerate().map(|(k, v)| if k % per_joint < start { 0.0 } else { *v }).collect()
@@ -377,8 +406,9 @@ impl<'a> Torques<'a> {
             let time_s = recording.start_s() + sample as f64 / recording.recording.sample_rate_hz;
             let columns = units.iter().map(after).collect();
             let subject = format!("at {time_s:.1} s");
-            Cause { kind: CauseKind::Payload, subject, unit: "", columns, instrument: None, members: Vec::new() }
+            Cause { kind, subject, unit: "", columns, instrument: None, members: Vec::new() }
         };
-        (0..INSTANTS).map(from).collect()
+        let of_instant = |i| [from(i, CauseKind::Payload, &body), from(i, CauseKind::OffsetDrift, &offsets)];
+        (0..INSTANTS).flat_map(of_instant).collect()
     }
 }
