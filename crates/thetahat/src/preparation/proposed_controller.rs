@@ -54,14 +54,14 @@ pub(crate) fn propose_controller(recordings: &[&FilteredRecording]) -> ProposedC
                     ..followed
                 },
                 what: format!(
-                    "simulated is a guess, a PD loop of {hz:.1} Hz for each motor without feed-forward, from how the motion \
+                    "the simulated controller is a guess, a PD loop of {hz:.1} Hz for each motor without feed-forward, from how the motion \
                      lags behind its reference"
                 ),
             }
         }
         None => ProposedController {
             description: ControllerDescription::pd(USUAL_HZ),
-            what: format!("simulated is a guess, a PD loop of {USUAL_HZ} Hz for each motor"),
+            what: format!("the simulated controller is a guess, a PD loop of {USUAL_HZ} Hz for each motor"),
         },
     }
 }

@@ -39,6 +39,7 @@ fn time_left(seconds: f64, done: usize, of: usize) -> String {
 /// What is simulated, in words.
 fn in_words(UnderWay { simulations, fit }: UnderWay) -> String {
     match fit {
+        None if simulations == 1 => "1 simulation".to_owned(),
         None => format!("{simulations} simulations side by side"),
         Some(FitUnderWay { method, error_percent: None, .. }) => format!("{method}: start values"),
         Some(FitUnderWay { method, iterations, error_percent: Some(error) }) => {

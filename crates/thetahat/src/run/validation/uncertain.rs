@@ -74,7 +74,7 @@ fn remedy(setup: Setup<'_>, problem: &Problem) -> (String, Option<RemedyStep>) {
     let change = 100.0 * (essential / whole - 1.0).abs();
     if change < VISIBLE_PERCENT {
         let remedy = format!(
-            "{motion}; leaving out {eliminated} parameters by estimate = \"essential\" in [parameters] does not change the error on parts left out"
+            "{motion}; for a smaller model with the same error on parts left out, set estimate = \"essential\" in [parameters] ({eliminated} fewer)"
         );
         return (remedy, None);
     }
