@@ -33,6 +33,19 @@ pub(super) struct Examined {
     pub samples: Option<Box<Recording>>,
 }
 
+/// A recording that is short enough to be examined as a whole.
+pub(super) struct Whole {
+    recording: Recording,
+    prepared: PreparedRecording,
+}
+
+impl Whole {
+    /// The frequency of its reference, where it is known and repeats.
+    pub(super) fn frequency_hz(of: &Option<Result<Self, ReductionError>>) -> Option<f64> {
+        of.as_ref()?.as_ref().ok()?.prepared.frequency_hz()
+    }
+}
+
 /// Examines the recordings of an experiment one after the other, and then with one another.
 pub(super) struct Examiner<'a> {
     experiment: &'a Experiment,
@@ -57,20 +70,33 @@ impl<'a> Examiner<'a> {
         Ok(Self { experiment, model, base, estimated, keeps_samples, prepared: Some(Vec::new()) })
     }
 
-    /// What the checks find in a recording that was reduced; it has the place `number`, from one, in the experiment.
+    /// A recording with the place `number`, from one, in the experiment; none if it is too long to be examined as a whole.
+    pub(super) fn whole(
+        &self,
+        source: &Source<'_>,
+        (number, data): (usize, &Path),
+    ) -> Option<Result<Whole, ReductionError>> {
+        let read = || {
+            let recording = source.complete(number, data)?;
+            let prepared = self.prepare(recording.clone())?;
+            Ok(Whole { recording, prepared })
+        };
+        (source.samples <= MOST_SAMPLES).then(read)
+    }
+
+    /// What the checks find in a recording that was reduced.
     pub(super) fn examine(
         &mut self,
         source: &Source<'_>,
-        (number, data): (usize, &Path),
+        whole: Option<Result<Whole, ReductionError>>,
         reduced: &ReducedRecording,
     ) -> Result<Examined, ReductionError> {
-        if source.samples > MOST_SAMPLES {
+        let Some(whole) = whole else {
             self.prepared = None;
             return self.examine_parts(source, reduced);
-        }
-        let recording = source.complete(number, data)?;
-        let samples = self.keeps_samples.then(|| Box::new(recording.clone()));
-        let prepared = self.prepare(recording)?;
+        };
+        let Whole { recording, prepared } = whole?;
+        let samples = self.keeps_samples.then(|| Box::new(recording));
         let findings = self.findings_of(&prepared);
         let folds = self.folds_of(&prepared, reduced);
         self.keep(prepared);

@@ -21,6 +21,7 @@
 //! | `instruments` | the simulated motion of a piece |
 //! | `reduce` | all of it, recording by recording |
 //! | `factors` | rows to factors, stretch by stretch |
+//! | `model_rows` | the rows of every sample, from which the model is chosen |
 //! | `samples` | the samples of short recordings |
 //! | `part` | parts of an experiment that are reduced by themselves |
 //! | `value`, `file`, `fingerprint` | the reduction, its merging and its file; by what a recording is known again |
@@ -52,6 +53,7 @@ mod fingerprint;
 mod identity;
 mod information;
 mod instruments;
+mod model_rows;
 mod near_rest;
 mod overlap;
 mod part;
@@ -65,6 +67,8 @@ mod source;
 mod survey;
 mod value;
 
+#[doc(hidden)]
+pub use crate::run::{ModelCell, ModelFactors};
 pub use error::{ReductionError, SharedSpan};
 pub use estimates::estimates_of_results;
 #[doc(hidden)]

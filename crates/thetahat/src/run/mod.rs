@@ -45,6 +45,12 @@ pub(crate) use examination::{ExaminationModel, check_recordings, compare, examin
 #[doc(hidden)]
 pub use identification::Identification;
 pub(crate) use identification::{CaseProblem, explain};
+pub(crate) use model::{
+    FEWEST_RECORDINGS, FOLDS, ModelCollector, ModelColumns, ModelData, RowParts, STRETCHES, changing, memory,
+    near_rest_limits, places, span, transitions,
+};
+#[doc(hidden)]
+pub use model::{ModelCell, ModelFactors, Parts};
 pub(crate) use prediction::{Identified, predict_torques};
 pub(crate) use prepared::PreparedRecording;
 pub(crate) use reduced::data::{ReducedData, ReducedIdentification, SimulatedInstruments};

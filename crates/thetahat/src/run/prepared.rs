@@ -32,6 +32,14 @@ impl PreparedRecording {
         Folds::of_one_recording(self.reference.as_ref().map(|r| &r.reference), &times)
     }
 
+    /// The frequency of a reference that repeats.
+    pub(crate) fn frequency_hz(&self) -> Option<f64> {
+        match &self.reference.as_ref()?.reference {
+            Reference::Periodic(periodic) => Some(periodic.series().base_frequency_hz()),
+            Reference::Moves(_) | Reference::Sampled(_) => None,
+        }
+    }
+
     pub(super) fn describe(&self, problem: &Problem) -> RecordingResult {
         let recording = &self.filtered.recording;
         RecordingResult {

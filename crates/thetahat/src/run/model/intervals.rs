@@ -25,6 +25,11 @@ impl<'a> Intervals<'a> {
         Self { of_rows: of_rows(rows, deviations, delay).unwrap_or_default(), run: free_run(runs) }
     }
 
+    /// Those of the run alone, where there are no rows in the order of time.
+    pub(super) fn of_run(runs: &'a [RunResult]) -> Self {
+        Self { of_rows: Vec::new(), run: free_run(runs) }
+    }
+
     /// The interval of a base parameter: that of the rows together with that of the weighted run. These treat friction near
     /// rest and delays otherwise, and nothing says which is right.
     pub(super) fn of(&self, index: usize, name: &str) -> Option<[f64; 2]> {

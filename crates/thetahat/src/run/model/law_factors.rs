@@ -1,0 +1,167 @@
+//! The rows of one law of friction as triangular factors.
+
+use std::collections::BTreeMap;
+
+use super::{columns::ModelColumns, factors::ModelFactors, folds::ModelFolds, parts::FOLDS};
+use thetahat_ground::linear_algebra::{Matrix, dot, norm};
+
+/// What all laws are fitted in: the recordings, each with the root of its weight.
+#[derive(Debug, Clone)]
+pub(crate) struct ModelData {
+    pub(crate) columns: ModelColumns,
+    pub(crate) recordings: Vec<(f64, ModelFactors)>,
+}
+
+impl ModelData {
+    pub(super) fn folds(&self) -> ModelFolds {
+        ModelFolds::new(&self.recordings.iter().map(|(_, factors)| factors).collect::<Vec<_>>())
+    }
+
+    /// The rows of each transition.
+    pub(super) fn laws(&self) -> Vec<LawFactors> {
+        let folds = self.folds();
+        (0..self.columns.transitions()).map(|transition| LawFactors::new(self, transition, folds)).collect()
+    }
+}
+
+/// The rows of a law.
+pub(super) struct LawFactors {
+    pub(super) blocks: Vec<LawBlock>,
+    correlated: Vec<Correlated>,
+    joints: usize,
+    pub(super) parameters: usize,
+}
+
+/// Rows of one joint in one part.
+pub(super) struct LawBlock {
+    pub(super) joint: usize,
+    /// The part that is left out in turn; [`FOLDS`] for rows that belong to none.
+    pub(super) part: usize,
+    pub(super) is_near_rest: bool,
+    /// The root of the weight of their recording.
+    pub(super) weight: f64,
+    /// How many they are.
+    pub(super) rows: usize,
+    /// Their factor of `[X y]`, with all base columns.
+    pub(super) factor: Matrix,
+}
+
+/// What says how errors of one joint in one recording are correlated in time.
+struct Correlated {
+    joint: usize,
+    rows: usize,
+    span: usize,
+    sums: Vec<f64>,
+    moving_sums: Matrix,
+}
+
+/// All rows, next to each other.
+pub(super) struct Stacked {
+    pub(super) x: Matrix,
+    pub(super) y: Vec<f64>,
+    pub(super) joint_of_row: Vec<usize>,
+    /// How many rows of each joint these stand for.
+    pub(super) rows: Vec<f64>,
+}
+
+impl LawFactors {
+    fn new(data: &ModelData, transition: usize, folds: ModelFolds) -> Self {
+        let joints = data.columns.joints();
+        let of_law: Vec<Vec<usize>> = (0..joints).map(|joint| data.columns.of_law(joint, transition)).collect();
+        let mut joined: BTreeMap<(usize, usize, bool, u64), (usize, Vec<Matrix>)> = BTreeMap::new();
+        let mut correlated = Vec::new();
+        for (k, (weight, factors)) in data.recordings.iter().enumerate() {
+            for cell in &factors.cells {
+                let part = folds.part_of(k, &cell.parts).unwrap_or(FOLDS);
+                let key = (cell.joint, part, cell.is_near_rest, weight.to_bits());
+                let (rows, all) = joined.entry(key).or_default();
+                *rows += cell.rows;
+                all.push(cell.factor.select_columns(&of_law[cell.joint]));
+            }
+            correlated.extend((0..joints).map(|joint| Correlated::new(factors, joint, &of_law[joint])));
+        }
+        let block = |((joint, part, is_near_rest, weight), (rows, all)): (_, (usize, Vec<Matrix>))| {
+            let factor = Matrix::stack(&all.iter().collect::<Vec<_>>()).triangular_factor();
+            let factor = data.columns.spread(joint, &factor);
+            LawBlock { joint, part, is_near_rest, weight: f64::from_bits(weight), rows, factor }
+        };
+        let blocks = joined.into_iter().map(block).collect();
+        Self { blocks, correlated, joints, parameters: data.columns.parameters() }
+    }
+
+    pub(super) fn joints(&self) -> usize {
+        self.joints
+    }
+
+    /// The root mean square of each joint's errors, or of its torques for parameters that are all zero.
+    pub(super) fn rms(&self, theta: &[f64]) -> Vec<f64> {
+        let of_joint = |joint: usize| {
+            let own = self.blocks.iter().filter(|block| block.joint == joint);
+            let rows: usize = own.clone().map(|block| block.rows).sum();
+            let squares: f64 = own.map(|block| block.square(theta)).sum();
+            (squares / rows.max(1) as f64).sqrt()
+        };
+        (0..self.joints).map(of_joint).collect()
+    }
+
+    /// The deviation of the mean of each joint's errors times the root of their number: widened by their autocorrelation with
+    /// Bartlett's weights (Newey and West, 1987), which does not cross from one recording to the next.
+    pub(super) fn long_run_deviations(&self, columns: &ModelColumns, theta: &[f64]) -> Vec<f64> {
+        let of_joint = |(joint, rms): (usize, f64)| {
+            let mut combination: Vec<f64> = columns.acting(joint).iter().map(|&c| -theta[c]).collect();
+            combination.push(1.0);
+            let own = self.correlated.iter().filter(|c| c.joint == joint);
+            let rows: f64 = own.clone().map(|c| c.rows as f64).sum();
+            let sum: f64 = own.clone().map(|c| dot(&c.sums, &combination)).sum();
+            let mean = sum / rows.max(1.0);
+            let variance = rows * (rms * rms - mean * mean);
+            if variance <= 0.0 {
+                return rms;
+            }
+            combination.push(-mean);
+            let long_run = |c: &Correlated| norm(&c.moving_sums.times(&combination)).powi(2) / c.span as f64;
+            rms * (own.map(long_run).sum::<f64>() / variance).max(1.0).sqrt()
+        };
+        self.rms(theta).into_iter().enumerate().map(of_joint).collect()
+    }
+
+    pub(super) fn stacked(&self) -> Stacked {
+        let parts: Vec<&Matrix> = self.blocks.iter().map(|block| &block.factor).collect();
+        let all = Matrix::stack(&parts);
+        let mut rows = vec![0.0; self.joints];
+        self.blocks.iter().for_each(|block| rows[block.joint] += block.rows as f64);
+        Stacked {
+            x: all.select_columns(&(0..self.parameters).collect::<Vec<_>>()),
+            y: all.column(self.parameters).to_vec(),
+            joint_of_row: self.blocks.iter().flat_map(|b| std::iter::repeat_n(b.joint, b.factor.rows())).collect(),
+            rows,
+        }
+    }
+}
+
+impl LawBlock {
+    /// The sum of the squares of its errors.
+    pub(super) fn square(&self, theta: &[f64]) -> f64 {
+        let combination: Vec<f64> = theta.iter().map(|t| -t).chain([1.0]).collect();
+        norm(&self.factor.times(&combination)).powi(2)
+    }
+
+    /// The sum of the squares of its torques.
+    pub(super) fn torque_square(&self) -> f64 {
+        norm(self.factor.column(self.factor.columns() - 1)).powi(2)
+    }
+}
+
+impl Correlated {
+    fn new(factors: &ModelFactors, joint: usize, of_law: &[usize]) -> Self {
+        let moving_sums = &factors.moving_sums[joint];
+        let with_ones: Vec<usize> = of_law.iter().copied().chain([moving_sums.columns() - 1]).collect();
+        Self {
+            joint,
+            rows: factors.rows,
+            span: factors.span,
+            sums: of_law.iter().map(|&c| factors.sums[joint][c]).collect(),
+            moving_sums: moving_sums.select_columns(&with_ones),
+        }
+    }
+}
