@@ -11,7 +11,7 @@ use super::{
 use crate::{
     experiment::Experiment,
     preparation::{Basis, Recording},
-    run::{ExaminationModel, PreparedRecording, compare, examine},
+    run::{ExaminationModel, PreparedRecording, compare, examine, frequency_hz},
 };
 use thetahat_estimation::checks::Finding;
 use thetahat_model::{base_parameters::BaseParameters, dynamics::Model};
@@ -37,13 +37,6 @@ pub(super) struct Examined {
 pub(super) struct Whole {
     recording: Recording,
     prepared: PreparedRecording,
-}
-
-impl Whole {
-    /// The frequency of its reference, where it is known and repeats.
-    pub(super) fn frequency_hz(of: &Option<Result<Self, ReductionError>>) -> Option<f64> {
-        of.as_ref()?.as_ref().ok()?.prepared.frequency_hz()
-    }
 }
 
 /// Examines the recordings of an experiment one after the other, and then with one another.
@@ -84,6 +77,23 @@ impl<'a> Examiner<'a> {
         (source.samples <= MOST_SAMPLES).then(read)
     }
 
+    /// The frequency of the motion, where no reference is recorded and it repeats: of a long recording, of its first part.
+    pub(super) fn frequency_hz(
+        &self,
+        source: &Source<'_>,
+        whole: Option<&Result<Whole, ReductionError>>,
+        has_reference: bool,
+    ) -> Option<f64> {
+        if let Some(whole) = whole {
+            return whole.as_ref().ok()?.prepared.frequency_hz();
+        }
+        if has_reference || !self.simulates() {
+            return None;
+        }
+        let first = source.excerpt(0..MOST_SAMPLES).ok()?;
+        frequency_hz(&self.experiment.setup().reference(&first).ok()?.reference)
+    }
+
     /// What the checks find in a recording that was reduced.
     pub(super) fn examine(
         &mut self,
@@ -115,14 +125,19 @@ impl<'a> Examiner<'a> {
 
     /// Filters a recording, and finds the reference of its motion where simulations would follow it.
     fn prepare(&self, mut recording: Recording) -> Result<PreparedRecording, ReductionError> {
-        let (setup, settings) = (self.experiment.setup(), &self.experiment.settings);
+        let setup = self.experiment.setup();
         if recording.name.is_empty() {
             recording.name = "1".to_owned();
         }
         let filtered = setup.filter(recording).map_err(|e| self.experiment.refuse(e))?;
-        let simulates = settings.controller.is_some() || settings.lacks_controller();
-        let reference = simulates.then(|| setup.reference(&filtered.recording).ok()).flatten();
+        let reference = self.simulates().then(|| setup.reference(&filtered.recording).ok()).flatten();
         Ok(PreparedRecording { filtered, reference })
+    }
+
+    /// Whether simulations would follow a reference.
+    fn simulates(&self) -> bool {
+        let settings = &self.experiment.settings;
+        settings.controller.is_some() || settings.lacks_controller()
     }
 
     fn findings_of(&self, prepared: &PreparedRecording) -> Vec<Finding> {

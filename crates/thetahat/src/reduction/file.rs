@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Identity, JointRows, KeptRows, ReducedRecording, Reduction, ReductionError, Segment,
+    factors::MOST_SEGMENTS,
     fingerprint::scrambled,
     overlap::Marks,
     samples::{self, SamplesHeader},
@@ -22,7 +23,7 @@ use super::{
 };
 use crate::{
     preparation::Recording,
-    run::{FOLDS, ModelCell, ModelFactors, Parts, STRETCHES, span},
+    run::{FOLDS, ModelCell, ModelFactors, Parts, STRETCHES, SettledRows, span},
 };
 use thetahat_estimation::checks::Finding;
 use thetahat_ground::{files, linear_algebra::Matrix, output::replace_file};
@@ -87,6 +88,15 @@ struct ModelHeader {
     mean_position: Vec<f64>,
     squared_velocities: Vec<Vec<f64>>,
     cells: Vec<CellHeader>,
+    settled: Vec<SettledHeader>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct SettledHeader {
+    joint: usize,
+    stretch: usize,
+    transitions: usize,
+    rows: usize,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -280,7 +290,8 @@ fn write_model(model: &ModelFactors, write: &mut impl FnMut(f64)) {
         upper(factor.rows(), factor.columns()).for_each(|(i, j)| write(factor.at(i, j)));
     };
     model.cells.iter().for_each(|cell| factor(&cell.factor));
-    model.moving_sums.iter().for_each(factor);
+    model.moving_sums.iter().for_each(&mut factor);
+    model.settled.iter().for_each(|rows| factor(&rows.factor));
     model.sums.iter().flatten().for_each(|sum| write(*sum));
 }
 
@@ -292,12 +303,19 @@ impl ModelHeader {
             is_near_rest: cell.is_near_rest,
             rows: cell.rows,
         };
+        let settled = |rows: &SettledRows| SettledHeader {
+            joint: rows.joint,
+            stretch: rows.stretch,
+            transitions: rows.transitions,
+            rows: rows.rows,
+        };
         Self {
             rows: model.rows,
             span: model.span,
             mean_position: model.mean_position.clone(),
             squared_velocities: model.squared_velocities.clone(),
             cells: model.cells.iter().map(cell).collect(),
+            settled: model.settled.iter().map(settled).collect(),
         }
     }
 
@@ -313,15 +331,17 @@ impl ModelHeader {
         let has_parts = self.squared_velocities.iter().all(|of| of.len() == STRETCHES.len() * FOLDS);
         let is_part = |part: &Option<u8>| part.is_none_or(|part| usize::from(part) < FOLDS);
         let is_cell = |cell: &CellHeader| cell.joint < joints && cell.parts.iter().all(is_part);
-        if !is_of_joints || !has_parts || !self.cells.iter().all(is_cell) || self.span != span(self.rows) {
+        let is_settled = |rows: &SettledHeader| rows.joint < joints && rows.stretch < MOST_SEGMENTS;
+        let are_valid = self.cells.iter().all(is_cell) && self.settled.iter().all(is_settled);
+        if !is_of_joints || !has_parts || !are_valid || self.span != span(self.rows) {
             return None;
         }
-        let of_cell = |cell: &CellHeader| {
-            let n = columns[cell.joint];
-            Some(upper_count(rows_of_factor(cell.rows, n), n))
-        };
+        let of_rows =
+            |joint: usize, rows: usize| Some(upper_count(rows_of_factor(rows, columns[joint]), columns[joint]));
+        let of_cells = self.cells.iter().map(|cell| of_rows(cell.joint, cell.rows));
+        let of_settled = self.settled.iter().map(|settled| of_rows(settled.joint, settled.rows));
         let of_joint = |n: &usize| upper_count(self.moving(*n), n + 1).checked_add(*n);
-        total_of(self.cells.iter().map(of_cell).chain(columns.iter().map(of_joint)))
+        total_of(of_cells.chain(columns.iter().map(of_joint)).chain(of_settled))
     }
 
     fn read(self, columns: &[usize], next: &mut impl FnMut() -> f64) -> ModelFactors {
@@ -338,9 +358,20 @@ impl ModelHeader {
         };
         let cells = self.cells.iter().map(cell).collect();
         let moving_sums = columns.iter().map(|n| factor(self.moving(*n), n + 1)).collect();
+        let settled = |rows: &SettledHeader| {
+            let n = columns[rows.joint];
+            SettledRows {
+                joint: rows.joint,
+                stretch: rows.stretch,
+                transitions: rows.transitions,
+                rows: rows.rows,
+                factor: factor(rows_of_factor(rows.rows, n), n),
+            }
+        };
+        let settled = self.settled.iter().map(settled).collect();
         let sums = columns.iter().map(|n| (0..*n).map(|_| next()).collect()).collect();
         let Self { rows, span, mean_position, squared_velocities, .. } = self;
-        ModelFactors { rows, mean_position, squared_velocities, cells, sums, span, moving_sums }
+        ModelFactors { rows, mean_position, squared_velocities, cells, sums, span, moving_sums, settled }
     }
 }
 

@@ -68,7 +68,7 @@ mod survey;
 mod value;
 
 #[doc(hidden)]
-pub use crate::run::{ModelCell, ModelFactors};
+pub use crate::run::{ModelCell, ModelFactors, Parts, SettledRows};
 pub use error::{ReductionError, SharedSpan};
 pub use estimates::estimates_of_results;
 #[doc(hidden)]

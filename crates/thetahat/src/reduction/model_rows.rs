@@ -3,10 +3,10 @@
 
 use std::ops::Range;
 
-use super::identity::Identity;
+use super::{factors::rows_of_segment, identity::Identity};
 use crate::{
     preparation::{Mask, NamedMask, SignalOptions},
-    run::{ModelCollector, ModelColumns, ModelFactors, RowParts},
+    run::{ModelCollector, ModelColumns, ModelFactors, RowParts, Slow},
 };
 use thetahat_estimation::signal::{DecimatedPiece, Decimator, Joiner, Motion, SignalError};
 use thetahat_ground::{linear_algebra::Matrix, series::Series};
@@ -142,9 +142,12 @@ impl ModelRows {
 
     /// Takes the pieces in order.
     pub(super) fn taker(&self, parts: RowParts, near_rest: Vec<f64>) -> ModelTaker<'_> {
+        let rows = self.decimator.rows();
+        let slow = Slow { near_rest, transitions: self.transitions.clone() };
+        let stretch = Some(rows_of_segment(rows));
         ModelTaker {
             joiner: self.decimator.joiner(),
-            collector: ModelCollector::new(self.columns.clone(), (parts, self.decimator.rows()), near_rest),
+            collector: ModelCollector::new(self.columns.clone(), (parts, rows), slow, stretch),
             channels: self.channels_of_joints(),
             positions: vec![0.0; self.columns.joints()],
         }

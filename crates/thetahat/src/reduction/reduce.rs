@@ -2,7 +2,7 @@ use std::{collections::BTreeMap, ops::Range, path::Path};
 
 use super::{
     error::ReductionError,
-    examined::{Examiner, Whole},
+    examined::Examiner,
     factors::{JointColumns, RowCollector},
     fingerprint::Fingerprint,
     identity::Identity,
@@ -109,7 +109,8 @@ impl Experiment {
             let source = Source::open(self, description, (i + 1, data), reducer.theta.is_some())?;
             let mut report = |done, to_do| progress(ReduceProgress { recording: i + 1, recordings, done, to_do });
             let whole = examiner.whole(&source, (i + 1, data));
-            let described = (Some(description), Whole::frequency_hz(&whole));
+            let has_reference = description.reference.is_some();
+            let described = (Some(description), examiner.frequency_hz(&source, whole.as_ref(), has_reference));
             let reduced = reducer.recording(&source, described, &mut report)?;
             let examined = examiner.examine(&source, whole, &reduced)?;
             reduction.add(reduced.examined(examined))?;
@@ -118,7 +119,8 @@ impl Experiment {
             let source = Source::of_recording(self, self.simulate_twin(twin)?);
             let mut report = |done, to_do| progress(ReduceProgress { recording: 1, recordings, done, to_do });
             let whole = examiner.whole(&source, (1, data));
-            let reduced = reducer.recording(&source, (None, Whole::frequency_hz(&whole)), &mut report)?;
+            let frequency_hz = examiner.frequency_hz(&source, whole.as_ref(), true);
+            let reduced = reducer.recording(&source, (None, frequency_hz), &mut report)?;
             let examined = examiner.examine(&source, whole, &reduced)?;
             reduction.add(reduced.examined(examined))?;
         }

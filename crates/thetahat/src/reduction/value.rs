@@ -202,6 +202,7 @@ impl Reduction {
             if left_out_whole {
                 recording.model.join_parts();
             }
+            recording.model.coarsen(most);
             if are_many || matches!(recording.kept, KeptRows::Factors(_)) {
                 recording.kept = KeptRows::Factors(coarsened(recording.kept.segments().into_owned(), most));
             }

@@ -1,11 +1,12 @@
 //! The errors of predicted torques: all samples, moving, and near rest.
 
-use super::{factors::near_rest_limits, law_factors::LawFactors, rows::ModelRows};
+use super::{
+    factors::{SETTLED, near_rest_limits},
+    law_factors::LawFactors,
+    rows::ModelRows,
+};
 use crate::run::prepared::PreparedRecording;
 use thetahat_report::results::{ModelError, ModelJointError};
-
-/// Velocities over the transition of the friction at which its sign is settled: `tanh(4) = 0.9993`.
-const SETTLED: f64 = 4.0;
 
 /// Whether the sign of each row's friction is not settled there, or in the row before or after.
 pub(super) fn turning(prepared: &[PreparedRecording], rows: &ModelRows, transition: f64) -> Vec<bool> {

@@ -29,6 +29,23 @@ pub struct ModelFactors {
     pub span: usize,
     /// The factor of the moving sums of each joint's rows and of ones: zeros lie before the first and after the last row.
     pub moving_sums: Vec<Matrix>,
+    /// The rows where the sign of friction is settled, by joint and stretch of time; empty where the rows themselves are there.
+    pub settled: Vec<SettledRows>,
+}
+
+/// Rows of one joint in one stretch of time where the sign of its friction is settled, and so it is in the rows before and after.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SettledRows {
+    /// The joint, from zero.
+    pub joint: usize,
+    /// The stretch of time, from zero.
+    pub stretch: usize,
+    /// For how many of the transitions it is settled: for the smallest.
+    pub transitions: usize,
+    /// How many they are.
+    pub rows: usize,
+    /// Their factor of `[X y]`.
+    pub factor: Matrix,
 }
 
 /// Rows of one joint.
@@ -54,18 +71,42 @@ impl ModelFactors {
             let key = (cell.joint, cell.is_near_rest);
             let joined_cell = match joined.remove(&key) {
                 None => ModelCell { parts: [None; STRETCHES.len()], ..cell },
-                Some(before) => before.joined(&cell),
+                Some(before) => before.joined(&cell.factor, cell.rows),
             };
             joined.insert(key, joined_cell);
         }
         self.cells = joined.into_values().collect();
     }
+
+    /// Joins neighbouring stretches of time until there are no more than so many.
+    pub(crate) fn coarsen(&mut self, most: usize) {
+        while self.settled.iter().any(|rows| rows.stretch >= most.max(1)) {
+            let mut joined: BTreeMap<SettledKey, SettledRows> = BTreeMap::new();
+            for rows in self.settled.drain(..) {
+                let key = (rows.joint, rows.stretch / 2, rows.transitions);
+                let rows = SettledRows { stretch: rows.stretch / 2, ..rows };
+                let rows = match joined.remove(&key) {
+                    None => rows,
+                    Some(before) => before.joined(&rows.factor, rows.rows),
+                };
+                joined.insert(key, rows);
+            }
+            self.settled = joined.into_values().collect();
+        }
+    }
+}
+
+impl SettledRows {
+    fn joined(self, rows: &Matrix, count: usize) -> Self {
+        let factor = Matrix::stack(&[&self.factor, rows]).triangular_factor();
+        Self { rows: self.rows + count, factor, ..self }
+    }
 }
 
 impl ModelCell {
-    fn joined(self, other: &Self) -> Self {
-        let factor = Matrix::stack(&[&self.factor, &other.factor]).triangular_factor();
-        Self { rows: self.rows + other.rows, factor, ..self }
+    fn joined(self, rows: &Matrix, count: usize) -> Self {
+        let factor = Matrix::stack(&[&self.factor, rows]).triangular_factor();
+        Self { rows: self.rows + count, factor, ..self }
     }
 }
 
@@ -76,47 +117,89 @@ pub(crate) fn span(rows: usize) -> usize {
     lags.min(rows.saturating_sub(1)) + 1
 }
 
+/// Velocities over the transition of the friction at which its sign is settled: `tanh(4) = 0.9993`.
+pub(crate) const SETTLED: f64 = 4.0;
+
 /// The velocity below which each joint is near rest.
 pub(crate) fn near_rest_limits(rule: Option<&NearRest>, joints: usize) -> Vec<f64> {
     rule.map_or_else(|| vec![NEAR_REST; joints], |rule| rule.velocity.clone())
 }
 
+/// What is slow.
+#[derive(Debug, Clone)]
+pub(crate) struct Slow {
+    /// The velocity below which each joint is near rest.
+    pub(crate) near_rest: Vec<f64>,
+    /// Velocities at which friction changes its sign.
+    pub(crate) transitions: Vec<f64>,
+}
+
+/// The motion of a joint at a row.
+#[derive(Debug, Clone, Copy)]
+struct Motion {
+    is_near_rest: bool,
+    /// For how many transitions the sign of friction is settled.
+    settled: usize,
+}
+
+impl Slow {
+    fn motion(&self, joint: usize, velocity: f64) -> Motion {
+        let (speed, limit) = (velocity.abs(), self.near_rest[joint]);
+        let is_settled = |transition: &&f64| speed >= limit.max(SETTLED * **transition);
+        Motion { is_near_rest: speed < limit, settled: self.transitions.iter().filter(is_settled).count() }
+    }
+}
+
 /// The joint, the parts and whether the joint is near rest.
 type CellKey = (usize, Parts, bool);
+/// The joint, the stretch of time, and for how many transitions the sign of friction is settled.
+type SettledKey = (usize, usize, usize);
 
 /// Takes the rows of a recording as they come.
 pub(crate) struct ModelCollector {
     columns: ModelColumns,
     parts: RowParts,
-    near_rest: Vec<f64>,
-    /// Rows whose velocities were taken.
-    with_velocity: usize,
-    /// Whether each joint is near rest in the rows whose velocities were taken and which were not.
-    at_rest: VecDeque<Vec<bool>>,
+    slow: Slow,
+    /// The motion of each joint, of the last row that was finished, where there is one, and of those that were not.
+    motions: VecDeque<Vec<Motion>>,
+    with_motion: usize,
     squared_velocities: Vec<Vec<f64>>,
-    rows: usize,
+    /// The rows of each joint that wait for the motion after them.
+    waiting: Vec<Matrix>,
+    finished: usize,
     cells: BTreeMap<CellKey, ModelCell>,
     sums: Vec<Vec<f64>>,
     span: usize,
     moving_sums: Vec<MovingSums>,
+    /// Rows of a stretch of time; none where the rows themselves are kept.
+    stretch: Option<usize>,
+    settled: BTreeMap<SettledKey, SettledRows>,
 }
 
 impl ModelCollector {
-    /// For so many rows with these parts.
-    pub(crate) fn new(columns: ModelColumns, (parts, rows): (RowParts, usize), near_rest: Vec<f64>) -> Self {
+    /// For so many rows with these parts; `stretch` are the rows of a stretch of time, of rows that are not kept themselves.
+    pub(crate) fn new(
+        columns: ModelColumns,
+        (parts, rows): (RowParts, usize),
+        slow: Slow,
+        stretch: Option<usize>,
+    ) -> Self {
         let joints = columns.joints();
         let span = span(rows);
         Self {
             parts,
-            near_rest,
-            with_velocity: 0,
-            at_rest: VecDeque::new(),
+            slow,
+            motions: VecDeque::new(),
+            with_motion: 0,
             squared_velocities: vec![vec![0.0; STRETCHES.len() * FOLDS]; joints],
-            rows: 0,
+            waiting: (0..joints).map(|j| Matrix::zeros(0, columns.count(j))).collect(),
+            finished: 0,
             cells: BTreeMap::new(),
             sums: (0..joints).map(|j| vec![0.0; columns.count(j)]).collect(),
             span,
             moving_sums: (0..joints).map(|j| MovingSums::new(columns.count(j), span)).collect(),
+            stretch,
+            settled: BTreeMap::new(),
             columns,
         }
     }
@@ -125,54 +208,94 @@ impl ModelCollector {
     pub(crate) fn take_velocities(&mut self, velocities: &[f64]) {
         for (joint, velocity) in velocities.iter().enumerate() {
             for division in 0..STRETCHES.len() {
-                let part = self.parts.part(division, self.with_velocity);
+                let part = self.parts.part(division, self.with_motion);
                 self.squared_velocities[joint][division * FOLDS + part] += velocity * velocity;
             }
         }
-        self.with_velocity += 1;
-        let at_rest = velocities.iter().zip(&self.near_rest).map(|(velocity, limit)| velocity.abs() < *limit);
-        self.at_rest.push_back(at_rest.collect());
+        self.with_motion += 1;
+        self.motions.push_back(velocities.iter().enumerate().map(|(j, v)| self.slow.motion(j, *v)).collect());
     }
 
     /// Takes the next rows, of each joint `[X y]`.
     pub(crate) fn take(&mut self, rows: &[Matrix]) {
-        let count = rows.first().map_or(0, Matrix::rows);
-        let parts: Vec<Parts> = (0..count).map(|k| self.parts.of_row(self.rows + k)).collect();
-        let at_rest: Vec<Vec<bool>> = self.at_rest.drain(..count).collect();
-        for (joint, rows) in rows.iter().enumerate() {
-            let mut by_cell: BTreeMap<CellKey, Vec<bool>> = BTreeMap::new();
-            for k in 0..count {
-                let own = by_cell.entry((joint, parts[k], at_rest[k][joint])).or_insert_with(|| vec![false; count]);
-                own[k] = true;
+        for (waiting, rows) in self.waiting.iter_mut().zip(rows) {
+            *waiting = Matrix::stack(&[waiting, rows]);
+        }
+        // Of the last row, the motion after it may still come.
+        let known = (self.with_motion - self.finished).saturating_sub(1);
+        self.finish_rows(known.min(self.waiting.first().map_or(0, Matrix::rows)));
+    }
+
+    fn finish_rows(&mut self, count: usize) {
+        let before = usize::from(self.finished > 0);
+        let motions: Vec<Vec<Motion>> = self.motions.iter().take(before + count + 1).cloned().collect();
+        let parts: Vec<Parts> = (0..count).map(|k| self.parts.of_row(self.finished + k)).collect();
+        for joint in 0..self.columns.joints() {
+            let waiting = &self.waiting[joint];
+            let (rows, rest) = (waiting.row_range(0..count), waiting.row_range(count..waiting.rows()));
+            self.waiting[joint] = rest;
+            let of_cell = |k: usize| (joint, parts[k], motions[before + k][joint].is_near_rest);
+            let cells = grouped(count, of_cell);
+            cells.into_iter().for_each(|(key, own)| self.add_to_cell(key, &rows.select_rows(&own)));
+            if let Some(stretch) = self.stretch {
+                let settled = |k: usize| {
+                    let at = before + k;
+                    let around = at.saturating_sub(1)..(at + 2).min(motions.len());
+                    motions[around].iter().map(|m| m[joint].settled).min().unwrap_or(0)
+                };
+                let of_stretch = |k: usize| (joint, (self.finished + k) / stretch, settled(k));
+                let stretches = grouped(count, of_stretch);
+                stretches.into_iter().for_each(|(key, own)| self.add_to_stretch(key, &rows.select_rows(&own)));
             }
-            by_cell.into_iter().for_each(|(key, own)| self.add(key, &rows.select_rows(&own)));
             for (c, sum) in self.sums[joint].iter_mut().enumerate() {
                 *sum += rows.column(c).iter().sum::<f64>();
             }
-            self.moving_sums[joint].take(rows);
+            self.moving_sums[joint].take(&rows);
         }
-        self.rows += count;
+        self.motions.drain(..(before + count).saturating_sub(1));
+        self.finished += count;
     }
 
-    fn add(&mut self, key: CellKey, rows: &Matrix) {
+    fn add_to_cell(&mut self, key: CellKey, rows: &Matrix) {
         let (joint, parts, is_near_rest) = key;
-        let empty = Matrix::zeros(0, self.columns.count(joint));
-        let cell = self.cells.entry(key).or_insert(ModelCell { joint, parts, is_near_rest, rows: 0, factor: empty });
-        cell.rows += rows.rows();
-        cell.factor = Matrix::stack(&[&cell.factor, rows]).triangular_factor();
+        let factor = Matrix::zeros(0, self.columns.count(joint));
+        let cell = self.cells.remove(&key).unwrap_or(ModelCell { joint, parts, is_near_rest, rows: 0, factor });
+        self.cells.insert(key, cell.joined(rows, rows.rows()));
     }
 
-    pub(crate) fn finish(self, mean_position: Vec<f64>) -> ModelFactors {
+    fn add_to_stretch(&mut self, key: SettledKey, rows: &Matrix) {
+        let (joint, stretch, transitions) = key;
+        if transitions == 0 {
+            return;
+        }
+        let factor = Matrix::zeros(0, self.columns.count(joint));
+        let empty = SettledRows { joint, stretch, transitions, rows: 0, factor };
+        let found = self.settled.remove(&key).unwrap_or(empty);
+        self.settled.insert(key, found.joined(rows, rows.rows()));
+    }
+
+    pub(crate) fn finish(mut self, mean_position: Vec<f64>) -> ModelFactors {
+        self.finish_rows(self.waiting.first().map_or(0, Matrix::rows));
         ModelFactors {
-            rows: self.rows,
+            rows: self.finished,
             mean_position,
             squared_velocities: self.squared_velocities,
             cells: self.cells.into_values().collect(),
             sums: self.sums,
             span: self.span,
             moving_sums: self.moving_sums.into_iter().map(MovingSums::finish).collect(),
+            settled: self.settled.into_values().collect(),
         }
     }
+}
+
+/// Which of so many rows have each key.
+fn grouped<K: Ord>(count: usize, key: impl Fn(usize) -> K) -> BTreeMap<K, Vec<bool>> {
+    let mut groups: BTreeMap<K, Vec<bool>> = BTreeMap::new();
+    for k in 0..count {
+        groups.entry(key(k)).or_insert_with(|| vec![false; count])[k] = true;
+    }
+    groups
 }
 
 /// The factor of sums over a moving span of rows with a column of ones.

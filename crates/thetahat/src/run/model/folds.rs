@@ -91,6 +91,7 @@ mod tests {
             sums: Vec::new(),
             span: 1,
             moving_sums: Vec::new(),
+            settled: Vec::new(),
         }
     }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{columns::ModelColumns, factors::ModelFactors, folds::ModelFolds, parts::FOLDS};
+use thetahat_estimation::regression::{BlockKey, Regression, RowLayout};
 use thetahat_ground::linear_algebra::{Matrix, dot, norm};
 
 /// What all laws are fitted in: the recordings, each with the root of its weight.
@@ -21,6 +22,36 @@ impl ModelData {
     pub(super) fn laws(&self) -> Vec<LawFactors> {
         let folds = self.folds();
         (0..self.columns.transitions()).map(|transition| LawFactors::new(self, transition, folds)).collect()
+    }
+}
+
+impl ModelData {
+    /// The rows where the sign of friction is settled for a transition, stretch by stretch, with the errors of each joint divided by
+    /// its deviation.
+    pub(super) fn settled(&self, transition: usize, transitions: &[f64], deviations: &[f64]) -> Regression {
+        let smaller = transitions.iter().filter(|other| **other < transitions[transition]).count();
+        let (joints, parameters) = (self.columns.joints(), self.columns.parameters());
+        let mut parts: Vec<Matrix> = Vec::new();
+        let (mut layout, mut weights) = (RowLayout::empty(joints, self.recordings.len()), Vec::new());
+        let (mut represented, mut first) = (vec![0.0; joints], 0);
+        for (recording, (weight, factors)) in self.recordings.iter().enumerate() {
+            let of_law = factors.settled.iter().filter(|rows| rows.transitions > smaller);
+            let stretches = of_law.clone().map(|rows| rows.stretch + 1).max().unwrap_or(0);
+            for (stretch, joint) in (0..stretches).flat_map(|s| (0..joints).map(move |j| (s, j))) {
+                let own = of_law.clone().filter(|rows| rows.stretch == stretch && rows.joint == joint);
+                for rows in own {
+                    let factor = rows.factor.select_columns(&self.columns.of_law(joint, transition));
+                    layout.push(BlockKey { joint, recording, stretch: first + stretch }, factor.rows());
+                    weights.extend(vec![weight / deviations[joint]; factor.rows()]);
+                    represented[joint] += rows.rows as f64;
+                    parts.push(self.columns.spread(joint, &factor));
+                }
+            }
+            first += stretches;
+        }
+        let all = Matrix::stack(&parts.iter().chain([&Matrix::zeros(0, parameters + 1)]).collect::<Vec<_>>());
+        let x = all.select_columns(&(0..parameters).collect::<Vec<_>>());
+        Regression::of_factors(x, all.column(parameters).to_vec(), layout, represented).with_weights(Some(weights))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{
     columns::ModelColumns,
-    factors::{ModelCollector, ModelFactors, near_rest_limits},
+    factors::{ModelCollector, ModelFactors, Slow, near_rest_limits},
     law_factors::ModelData,
     parts::{RowParts, memory, places},
     rows::ModelRows,
@@ -40,7 +40,8 @@ fn factors_of(
     let decimator = &first.decimators[number];
     let parts = row_parts(setup, prepared, decimator);
     let near_rest = near_rest_limits(prepared.filtered.near_rest.as_ref(), columns.joints());
-    let mut collector = ModelCollector::new(columns.clone(), (parts, decimator.rows()), near_rest);
+    let slow = Slow { near_rest, transitions: rows.iter().map(|(transition, _)| *transition).collect() };
+    let mut collector = ModelCollector::new(columns.clone(), (parts, decimator.rows()), slow, None);
     decimator.kept().for_each(|k| collector.take_velocities(prepared.filtered.motion.dq.sample(k)));
     let of_joint = |joint: usize| {
         let block = first.layout.block(joint, number);

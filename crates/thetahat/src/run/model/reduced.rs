@@ -29,13 +29,15 @@ pub(in crate::run) fn model_of_factors(
     let beliefs = beliefs(setup, problem, (&factors[0], mean_position), set);
     let set = &set.clone().with_beliefs(beliefs).map_err(|e| e.to_string())?;
     let law = |(factors, transition)| Law { set, base, columns, factors, rows: None, transition, terms: &[] };
-    let laws: Vec<Law> = factors.iter().zip(transitions(setup)).map(law).collect();
+    let transitions = transitions(setup);
+    let laws: Vec<Law> = factors.iter().zip(transitions.iter().copied()).map(law).collect();
     let (weights, kinds) = (weights(setup), kinds(setup));
     let choosing = Choosing { laws: &laws, weights: &weights, folds: data.folds(), kinds: &kinds };
     let choice = choosing.choose(available_threads(), SearchedLaws::default());
     let choice = choice.ok_or("the rows determine no physically consistent robot")?;
     let Law { transition, factors, .. } = laws[choice.law];
+    let settled = data.settled(choice.law, &transitions, &choice.deviations);
     let fitted = FittedLaw { setup, base, set, terms: &[], transition, factors, truth };
-    let model = fitted.result(&choice, FoundCauses::default(), &Intervals::of_run(runs));
+    let model = fitted.result(&choice, FoundCauses::default(), &Intervals::of_stretches(&settled, runs));
     Ok(ModelResult { seconds: stopwatch.seconds(), ..model })
 }
