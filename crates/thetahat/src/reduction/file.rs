@@ -23,7 +23,7 @@ use super::{
 };
 use crate::{
     preparation::Recording,
-    run::{FOLDS, ModelCell, ModelFactors, Parts, STRETCHES, SettledRows, span},
+    run::{FOLDS, ModelCell, ModelFactors, Parts, RepeatedRows, STRETCHES, SettledRows, span},
 };
 use thetahat_estimation::checks::Finding;
 use thetahat_ground::{files, linear_algebra::Matrix, output::replace_file};
@@ -89,6 +89,13 @@ struct ModelHeader {
     squared_velocities: Vec<Vec<f64>>,
     cells: Vec<CellHeader>,
     settled: Vec<SettledHeader>,
+    repeated: Option<RepeatedHeader>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct RepeatedHeader {
+    period: f64,
+    pairs: f64,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -292,6 +299,7 @@ fn write_model(model: &ModelFactors, write: &mut impl FnMut(f64)) {
     model.cells.iter().for_each(|cell| factor(&cell.factor));
     model.moving_sums.iter().for_each(&mut factor);
     model.settled.iter().for_each(|rows| factor(&rows.factor));
+    model.repeated.iter().flat_map(|repeated| &repeated.factors).for_each(&mut factor);
     model.sums.iter().flatten().for_each(|sum| write(*sum));
 }
 
@@ -316,12 +324,13 @@ impl ModelHeader {
             squared_velocities: model.squared_velocities.clone(),
             cells: model.cells.iter().map(cell).collect(),
             settled: model.settled.iter().map(settled).collect(),
+            repeated: model.repeated.as_ref().map(|r| RepeatedHeader { period: r.period, pairs: r.pairs }),
         }
     }
 
     /// Rows of the factor of moving sums over so many columns and ones.
     fn moving(&self, columns: usize) -> usize {
-        rows_of_factor(self.rows + self.span - 1, columns + 1)
+        rows_of_factor(self.rows.saturating_add(self.span - 1), columns + 1)
     }
 
     /// How many values stand in the file, of joints with so many columns; none if it contradicts itself.
@@ -341,7 +350,12 @@ impl ModelHeader {
         let of_cells = self.cells.iter().map(|cell| of_rows(cell.joint, cell.rows));
         let of_settled = self.settled.iter().map(|settled| of_rows(settled.joint, settled.rows));
         let of_joint = |n: &usize| upper_count(self.moving(*n), n + 1).checked_add(*n);
-        total_of(of_cells.chain(columns.iter().map(of_joint)).chain(of_settled))
+        let of_phases = |(repeated, n): (&RepeatedHeader, &usize)| {
+            Some(upper_count(rows_of_factor(RepeatedRows::phases(repeated.period), *n), *n))
+        };
+        let of_repeated = self.repeated.iter().flat_map(|repeated| columns.iter().map(move |n| (repeated, n)));
+        let of_all = of_cells.chain(columns.iter().map(of_joint)).chain(of_settled);
+        total_of(of_all.chain(of_repeated.map(of_phases)))
     }
 
     fn read(self, columns: &[usize], next: &mut impl FnMut() -> f64) -> ModelFactors {
@@ -369,9 +383,14 @@ impl ModelHeader {
             }
         };
         let settled = self.settled.iter().map(settled).collect();
+        let repeated = self.repeated.map(|RepeatedHeader { period, pairs }| {
+            let phases = RepeatedRows::phases(period);
+            let factors = columns.iter().map(|n| factor(rows_of_factor(phases, *n), *n)).collect();
+            RepeatedRows { period, pairs, factors }
+        });
         let sums = columns.iter().map(|n| (0..*n).map(|_| next()).collect()).collect();
         let Self { rows, span, mean_position, squared_velocities, .. } = self;
-        ModelFactors { rows, mean_position, squared_velocities, cells, sums, span, moving_sums, settled }
+        ModelFactors { rows, mean_position, squared_velocities, cells, sums, span, moving_sums, settled, repeated }
     }
 }
 

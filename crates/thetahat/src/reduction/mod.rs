@@ -2,8 +2,8 @@
 //!
 //! [`Experiment::reduce`](crate::experiment::Experiment::reduce) reads the recordings in pieces, makes the rows of an
 //! identification of them, and keeps for each joint and stretch of time the upper triangular factor of `[X y]`, with
-//! instruments of `[Z X y]`. A [`Reduction`] is a value: written to a file and read, merged with others in any order, solved
-//! ([`Reduction::solve`]). No product `X^T X` or `Z^T X` of rows is formed.
+//! instruments of `[Z X y]`, and what the model is chosen from. A [`Reduction`] is a value: written to a file and read, merged
+//! with others in any order, solved ([`Reduction::solve`]). No product `X^T X` or `Z^T X` of rows is formed.
 //!
 //! | letter | word | shape |
 //! | --- | --- | --- |
@@ -68,7 +68,7 @@ mod survey;
 mod value;
 
 #[doc(hidden)]
-pub use crate::run::{ModelCell, ModelFactors, Parts, SettledRows};
+pub use crate::run::{ModelCell, ModelFactors, Parts, RepeatedRows, SettledRows};
 pub use error::{ReductionError, SharedSpan};
 pub use estimates::estimates_of_results;
 #[doc(hidden)]

@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::{factors::rows_of_segment, identity::Identity};
 use crate::{
     preparation::{Mask, NamedMask, SignalOptions},
-    run::{ModelCollector, ModelColumns, ModelFactors, RowParts, Slow},
+    run::{InPlaceOfRows, ModelCollector, ModelColumns, ModelFactors, RowParts, Slow},
 };
 use thetahat_estimation::signal::{DecimatedPiece, Decimator, Joiner, Motion, SignalError};
 use thetahat_ground::{linear_algebra::Matrix, series::Series};
@@ -15,6 +15,9 @@ use thetahat_model::{
     dynamics::{Model, Sign, State, Workspace},
     regressor::{Entry, Regressor},
 };
+
+/// Longest period of a motion that repeats, over the recording.
+const LONGEST_PERIOD: f64 = 0.875;
 
 /// What makes the rows of a recording.
 pub(super) struct ModelRows {
@@ -140,14 +143,15 @@ impl ModelRows {
         (0..self.columns.joints()).map(of_joint).collect()
     }
 
-    /// Takes the pieces in order.
-    pub(super) fn taker(&self, parts: RowParts, near_rest: Vec<f64>) -> ModelTaker<'_> {
+    /// Takes the pieces in order, of a motion that repeats after so many rows.
+    pub(super) fn taker(&self, parts: RowParts, near_rest: Vec<f64>, period: Option<f64>) -> ModelTaker<'_> {
         let rows = self.decimator.rows();
         let slow = Slow { near_rest, transitions: self.transitions.clone() };
-        let stretch = Some(rows_of_segment(rows));
+        let period = period.filter(|period| *period < LONGEST_PERIOD * rows as f64);
+        let in_place = Some(InPlaceOfRows { stretch: rows_of_segment(rows), period });
         ModelTaker {
             joiner: self.decimator.joiner(),
-            collector: ModelCollector::new(self.columns.clone(), (parts, rows), slow, stretch),
+            collector: ModelCollector::new(self.columns.clone(), (parts, rows), slow, in_place),
             channels: self.channels_of_joints(),
             positions: vec![0.0; self.columns.joints()],
         }

@@ -241,6 +241,7 @@ impl<'a> Reducer<'a> {
         let model_rows = ModelRows::new((self.model, self.base), &self.identity, &signal, window.len());
         let model_rows = model_rows.map_err(|e| refuse(self.experiment, e))?;
         let near_rest_limits = near_rest_limits(near_rest.as_ref(), self.identity.joints.len());
+        let period = frequency_hz.map(|frequency_hz| source.sample_rate_hz / (frequency_hz * signal.decimation as f64));
         let parts = self.row_parts(source, (&window, &decimator), frequency_hz);
         let simulated = |theta: &Vec<f64>| {
             Simulated::new(self.experiment, (self.model, self.base), source, theta, (pieces.reach, &window))
@@ -258,7 +259,7 @@ impl<'a> Reducer<'a> {
                 mask: mask.as_ref(),
                 model_rows: &model_rows,
             };
-            let model = model_rows.taker(parts.clone(), near_rest_limits.clone());
+            let model = model_rows.taker(parts.clone(), near_rest_limits.clone(), period);
             let taken = self.take_all(&rows, model, &mut before, report)?;
             match mask.as_ref().and_then(|mask| mask.after(&taken.left_out)) {
                 None => break taken,

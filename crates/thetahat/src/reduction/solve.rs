@@ -207,8 +207,7 @@ impl Reduction {
             (
                 true,
                 ReasonCode::Cause,
-                "factors have no rows in time order: the causes of the model's error, torque terms for them, and errors that repeat with \
-                 the motion were not tested",
+                "what a reduction keeps has no samples: causes of the model's error, and torque terms for them, were not tested",
             ),
             (
                 simulates,

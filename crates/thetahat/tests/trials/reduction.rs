@@ -15,6 +15,10 @@ use thetahat_testing::{Folder, each_night, ensure};
 
 /// Relative to the estimate, and to its standard deviation where that is larger.
 const EQUAL: f64 = 1e-9;
+/// Between values and errors of the model, whose solver stops at 1e-10 of the objective.
+const EQUAL_MODEL: f64 = 1e-6;
+/// Least size of a value of the model in its unit: below, the recording says nothing of it.
+const LEAST: f64 = 1e-3;
 /// The same for IV, whose matrix Z^T X has a larger condition number.
 const EQUAL_IV: f64 = 1e-8;
 /// Simulated in pieces or as a whole, with other steps of the integration, in standard deviations: 0.0096 were found.
@@ -103,22 +107,47 @@ fn same_intervals(found: &RunResult, expected: &RunResult) -> Result<(), Failed>
     Ok(())
 }
 
-/// The verdict with its reasons, and what cross-validation says; recordings that are held back are not reduced, and that is listed.
+/// The verdict on the estimates with its reasons, and what cross-validation says; recordings that are held back are not reduced, and that
+/// is listed.
 fn same_verdict(found: &Results, expected: &Results) -> Result<(), Failed> {
+    same_model(found, expected)?;
     let about = |r: &VerdictReason| (r.code, r.verdict, r.subject.clone());
-    // A reduction has no model: the verdict on the estimates.
-    let of_estimates = Results { model: None, verdict: None, verdict_reasons: Vec::new(), ..expected.clone() };
     let request = EstimateRequest { untrusted: true, method: Some(Method::IDIM_LS), ..EstimateRequest::default() };
-    let judged = IdentifiedRobot::of_results(Path::new("results.json"), &of_estimates, &request)?;
-    let [f, e] = [&found.verdict_reasons, &judged.verdict_reasons].map(|r| r.iter().map(about).collect::<Vec<_>>());
-    let are_same = found.verdict == Some(judged.verdict) && f == e;
-    ensure(are_same, format!("{:?} {f:?} against {:?} {e:?}", found.verdict, judged.verdict))?;
+    let of_estimates = |results: &Results| {
+        let without = Results { model: None, verdict: None, verdict_reasons: Vec::new(), ..results.clone() };
+        IdentifiedRobot::of_results(Path::new("results.json"), &without, &request)
+    };
+    let [found_on, expected_on] = [of_estimates(found)?, of_estimates(expected)?];
+    let [f, e] = [&found_on, &expected_on].map(|on| on.verdict_reasons.iter().map(about).collect::<Vec<_>>());
+    let are_same = found_on.verdict == expected_on.verdict && f == e;
+    ensure(are_same, format!("{:?} {f:?} against {:?} {e:?}", found_on.verdict, expected_on.verdict))?;
     if !expected.validation_recordings.is_empty() {
         let is_listed = found.not_examined.iter().any(|n| n.code == ReasonCode::CrossValidation);
         return ensure(is_listed, "held-back recordings are listed as not examined");
     }
     let unseen = |r: &Results| r.runs[0].cross_validation_relative_error_percent.ok_or("no cross-validation");
     close(unseen(found)?, unseen(expected)?, unseen(expected)?, 1e-7, "cross-validation")
+}
+
+/// The model, where it has no torque term that only samples ask for: its choice, values and errors.
+fn same_model(found: &Results, expected: &Results) -> Result<(), Failed> {
+    let (Some(f), Some(e)) = (&found.model, &expected.model) else {
+        let are_both_absent = found.model.is_none() && expected.model.is_none();
+        return ensure(are_both_absent, format!("a model or none: {:?} {:?}", found.no_model, expected.no_model));
+    };
+    if !e.terms.is_empty() {
+        return Ok(());
+    }
+    ensure(f.friction_transition == e.friction_transition, "the same transition")?;
+    ensure(f.belief_weight == e.belief_weight, "the same belief")?;
+    for (f, e) in f.parameters.iter().zip(&e.parameters) {
+        close(f.value, e.value, e.value.abs().max(LEAST), EQUAL_MODEL, &format!("{} of the model", e.name))?;
+    }
+    close(f.fit.percent, e.fit.percent, e.fit.percent, EQUAL_MODEL, "error of the model")?;
+    match (&f.unseen, &e.unseen) {
+        (Some(f), Some(e)) => close(f.percent, e.percent, e.percent, EQUAL_MODEL, "unseen error of the model"),
+        (f, e) => ensure(f.is_none() && e.is_none(), "an unseen error or none"),
+    }
 }
 
 /// The masks near rest, and how long torques hold.

@@ -111,12 +111,12 @@ fn fitted(problem: &Problem, rows: &Stacked, set: &ConsistentSet, motors: bool) 
     let solved = factor.solve(&x.transpose_times(&rest));
     let residual: Vec<f64> = rest.iter().zip(x.times(&solved)).map(|(y, p)| y - p).collect();
     for (c, value) in solved.into_iter().enumerate() {
-        let concerned = rows.concerned(x.column(c));
+        let joints = rows.joints_of(x.column(c));
         let mut unit = vec![0.0; drives.len()];
         unit[c] = 1.0;
         let place = columns[drives[c]];
         out.values[place] = value;
-        out.deviations[place] = concerned.rms(&residual) * factor.solve(&unit)[c].sqrt();
+        out.deviations[place] = joints.rms(&residual) * factor.solve(&unit)[c].sqrt();
     }
     out
 }
@@ -127,7 +127,7 @@ fn usual(problem: &Problem, rows: &Stacked) -> Vec<f64> {
     let mut out = vec![1.0; problem.model.parameter_table().len()];
     for (c, &i) in columns.iter().enumerate() {
         let column = rows.x.column(c);
-        let torque = rows.concerned(column).norm(&rows.y);
+        let torque = rows.joints_of(column).norm(&rows.y);
         let size = norm(column);
         if size > 0.0 && torque > 0.0 {
             out[i] = USUAL_PART * torque / size;
@@ -137,20 +137,20 @@ fn usual(problem: &Problem, rows: &Stacked) -> Vec<f64> {
 }
 
 /// The joints on which a column acts.
-struct Concerned<'a> {
+struct JointsOfColumn<'a> {
     rows: &'a Stacked,
     joints: Vec<bool>,
 }
 
 impl Stacked {
-    fn concerned(&self, column: &[f64]) -> Concerned<'_> {
+    fn joints_of(&self, column: &[f64]) -> JointsOfColumn<'_> {
         let mut joints = vec![false; self.rows.len()];
         column.iter().zip(&self.joint_of_row).filter(|(x, _)| **x != 0.0).for_each(|(_, joint)| joints[*joint] = true);
-        Concerned { rows: self, joints }
+        JointsOfColumn { rows: self, joints }
     }
 }
 
-impl Concerned<'_> {
+impl JointsOfColumn<'_> {
     /// Of the values of all rows those of the joints.
     fn norm(&self, values: &[f64]) -> f64 {
         let own = values.iter().zip(&self.rows.joint_of_row).filter(|(_, joint)| self.joints[**joint]);

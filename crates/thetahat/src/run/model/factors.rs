@@ -31,6 +31,30 @@ pub struct ModelFactors {
     pub moving_sums: Vec<Matrix>,
     /// The rows where the sign of friction is settled, by joint and stretch of time; empty where the rows themselves are there.
     pub settled: Vec<SettledRows>,
+    /// Sums over the periods of a motion that repeats; absent if it does not, or if the rows themselves are there.
+    pub repeated: Option<RepeatedRows>,
+}
+
+/// Sums of the rows that have one phase, of a motion that repeats.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RepeatedRows {
+    /// The period in rows, which need not be whole.
+    pub period: f64,
+    /// Pairs of rows that have one phase.
+    pub pairs: f64,
+    /// The factor of the sums of each joint's rows of `[X y]`.
+    pub factors: Vec<Matrix>,
+}
+
+impl RepeatedRows {
+    /// Phases of a period.
+    pub(crate) fn phases(period: f64) -> usize {
+        period.ceil() as usize
+    }
+
+    fn phase(period: f64, row: usize) -> usize {
+        (row as f64).rem_euclid(period).round() as usize % Self::phases(period)
+    }
 }
 
 /// Rows of one joint in one stretch of time where the sign of its friction is settled, and so it is in the rows before and after.
@@ -171,18 +195,62 @@ pub(crate) struct ModelCollector {
     sums: Vec<Vec<f64>>,
     span: usize,
     moving_sums: Vec<MovingSums>,
-    /// Rows of a stretch of time; none where the rows themselves are kept.
+    /// Rows of a stretch of time; absent if the rows themselves are kept.
     stretch: Option<usize>,
     settled: BTreeMap<SettledKey, SettledRows>,
+    repeated: Option<Phases>,
+}
+
+/// What is kept of rows that are not kept themselves.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct InPlaceOfRows {
+    /// Rows of a stretch of time.
+    pub(crate) stretch: usize,
+    /// Rows of a period, of a motion that repeats.
+    pub(crate) period: Option<f64>,
+}
+
+/// The sums of the rows of each phase.
+struct Phases {
+    period: f64,
+    counts: Vec<f64>,
+    sums: Vec<Matrix>,
+}
+
+impl Phases {
+    fn new(period: f64, columns: &ModelColumns) -> Self {
+        let phases = RepeatedRows::phases(period);
+        let sums = (0..columns.joints()).map(|joint| Matrix::zeros(phases, columns.count(joint))).collect();
+        Self { period, counts: vec![0.0; phases], sums }
+    }
+
+    fn count(&mut self, rows: std::ops::Range<usize>) {
+        rows.for_each(|row| self.counts[RepeatedRows::phase(self.period, row)] += 1.0);
+    }
+
+    fn take(&mut self, joint: usize, first: usize, rows: &Matrix) {
+        for c in 0..rows.columns() {
+            let sums = self.sums[joint].column_mut(c);
+            for (k, value) in rows.column(c).iter().enumerate() {
+                sums[RepeatedRows::phase(self.period, first + k)] += value;
+            }
+        }
+    }
+
+    fn finish(self) -> RepeatedRows {
+        let pairs = self.counts.iter().map(|n| n * (n - 1.0)).sum();
+        let factors = self.sums.iter().map(Matrix::triangular_factor).collect();
+        RepeatedRows { period: self.period, pairs, factors }
+    }
 }
 
 impl ModelCollector {
-    /// For so many rows with these parts; `stretch` are the rows of a stretch of time, of rows that are not kept themselves.
+    /// For so many rows with these parts.
     pub(crate) fn new(
         columns: ModelColumns,
         (parts, rows): (RowParts, usize),
         slow: Slow,
-        stretch: Option<usize>,
+        in_place: Option<InPlaceOfRows>,
     ) -> Self {
         let joints = columns.joints();
         let span = span(rows);
@@ -198,8 +266,9 @@ impl ModelCollector {
             sums: (0..joints).map(|j| vec![0.0; columns.count(j)]).collect(),
             span,
             moving_sums: (0..joints).map(|j| MovingSums::new(columns.count(j), span)).collect(),
-            stretch,
+            stretch: in_place.map(|kept| kept.stretch),
             settled: BTreeMap::new(),
+            repeated: in_place.and_then(|kept| kept.period).map(|period| Phases::new(period, &columns)),
             columns,
         }
     }
@@ -251,7 +320,9 @@ impl ModelCollector {
                 *sum += rows.column(c).iter().sum::<f64>();
             }
             self.moving_sums[joint].take(&rows);
+            self.repeated.iter_mut().for_each(|phases| phases.take(joint, self.finished, &rows));
         }
+        self.repeated.iter_mut().for_each(|phases| phases.count(self.finished..self.finished + count));
         self.motions.drain(..(before + count).saturating_sub(1));
         self.finished += count;
     }
@@ -285,6 +356,7 @@ impl ModelCollector {
             span: self.span,
             moving_sums: self.moving_sums.into_iter().map(MovingSums::finish).collect(),
             settled: self.settled.into_values().collect(),
+            repeated: self.repeated.map(Phases::finish),
         }
     }
 }
@@ -308,7 +380,7 @@ struct MovingSums {
 }
 
 impl MovingSums {
-    /// Of rows with so many columns besides the ones.
+    /// Of rows with so many columns in addition to the ones.
     fn new(columns: usize, span: usize) -> Self {
         let columns = columns + 1;
         Self { span, columns, last: Matrix::zeros(span - 1, columns), factor: Matrix::zeros(0, columns) }

@@ -92,6 +92,7 @@ mod tests {
             span: 1,
             moving_sums: Vec::new(),
             settled: Vec::new(),
+            repeated: None,
         }
     }
 

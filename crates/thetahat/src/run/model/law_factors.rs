@@ -2,7 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use super::{columns::ModelColumns, factors::ModelFactors, folds::ModelFolds, parts::FOLDS};
+use super::{
+    columns::ModelColumns,
+    factors::{ModelFactors, RepeatedRows},
+    folds::ModelFolds,
+    parts::FOLDS,
+};
 use thetahat_estimation::regression::{BlockKey, Regression, RowLayout};
 use thetahat_ground::linear_algebra::{Matrix, dot, norm};
 
@@ -84,7 +89,21 @@ struct Correlated {
     span: usize,
     sums: Vec<f64>,
     moving_sums: Matrix,
+    repeated: Option<Repeated>,
 }
+
+/// What says whether errors come back with a motion that repeats.
+struct Repeated {
+    period: f64,
+    pairs: f64,
+    /// The factor of the sums of the rows of each phase.
+    sums: Matrix,
+    /// The factor of all rows.
+    all: Matrix,
+}
+
+/// Deviations by chance of the part of the errors that comes back, from which they count as repeated.
+const SHOWN: f64 = 4.5;
 
 /// All rows, next to each other.
 pub(super) struct Stacked {
@@ -136,24 +155,52 @@ impl LawFactors {
     }
 
     /// The deviation of the mean of each joint's errors times the root of their number: widened by their autocorrelation with
-    /// Bartlett's weights (Newey and West, 1987), which does not cross from one recording to the next.
+    /// Bartlett's weights (Newey and West, 1987), which does not cross from one recording to the next, and by errors that come back
+    /// with a motion that repeats, where the recordings say of it.
     pub(super) fn long_run_deviations(&self, columns: &ModelColumns, theta: &[f64]) -> Vec<f64> {
-        let of_joint = |(joint, rms): (usize, f64)| {
-            let mut combination: Vec<f64> = columns.acting(joint).iter().map(|&c| -theta[c]).collect();
-            combination.push(1.0);
-            let own = self.correlated.iter().filter(|c| c.joint == joint);
-            let rows: f64 = own.clone().map(|c| c.rows as f64).sum();
-            let sum: f64 = own.clone().map(|c| dot(&c.sums, &combination)).sum();
-            let mean = sum / rows.max(1.0);
-            let variance = rows * (rms * rms - mean * mean);
-            if variance <= 0.0 {
-                return rms;
-            }
-            combination.push(-mean);
-            let long_run = |c: &Correlated| norm(&c.moving_sums.times(&combination)).powi(2) / c.span as f64;
-            rms * (own.map(long_run).sum::<f64>() / variance).max(1.0).sqrt()
+        let combinations: Vec<Vec<f64>> = (0..self.joints)
+            .map(|joint| columns.acting(joint).iter().map(|&c| -theta[c]).chain([1.0]).collect())
+            .collect();
+        let repeated = self.repeated_widening(&combinations);
+        let deviation = |(joint, rms): (usize, f64)| {
+            self.long_run_deviation(joint, rms, &combinations[joint]) * repeated[joint].sqrt()
         };
-        self.rms(theta).into_iter().enumerate().map(of_joint).collect()
+        self.rms(theta).into_iter().enumerate().map(deviation).collect()
+    }
+
+    fn long_run_deviation(&self, joint: usize, rms: f64, combination: &[f64]) -> f64 {
+        let own = self.correlated.iter().filter(|c| c.joint == joint);
+        let rows: f64 = own.clone().map(|c| c.rows as f64).sum();
+        let mean = own.clone().map(|c| dot(&c.sums, combination)).sum::<f64>() / rows.max(1.0);
+        let variance = rows * (rms * rms - mean * mean);
+        if variance <= 0.0 {
+            return rms;
+        }
+        let centred: Vec<f64> = combination.iter().copied().chain([-mean]).collect();
+        let long_run = |c: &Correlated| norm(&c.moving_sums.times(&centred)).powi(2) / c.span as f64;
+        rms * (own.map(long_run).sum::<f64>() / variance).max(1.0).sqrt()
+    }
+
+    /// How many times the variance of an error that is uncorrelated in time is exceeded along a motion that repeats, of each joint:
+    /// `1 + (n / P - 1) r` with n rows, a period of P, and the correlation r of errors in different periods.
+    fn repeated_widening(&self, combinations: &[Vec<f64>]) -> Vec<f64> {
+        let mut widening = vec![1.0_f64; self.joints];
+        // Those of one recording follow one another.
+        for recording in self.correlated.chunks(self.joints) {
+            let parts: Option<Vec<(f64, f64)>> =
+                recording.iter().map(|c| c.repeated.as_ref()?.part(c.rows, &combinations[c.joint])).collect();
+            let Some(parts) = parts else { continue };
+            let mean = parts.iter().map(|(part, _)| part).sum::<f64>() / parts.len() as f64;
+            let by_chance = parts.iter().map(|(_, pairs)| (2.0 / pairs).sqrt()).fold(0.0, f64::max);
+            if mean < SHOWN * by_chance / (parts.len() as f64).sqrt() {
+                continue;
+            }
+            for (c, (part, _)) in recording.iter().zip(parts) {
+                let periods = c.repeated.as_ref().map_or(1.0, |repeated| c.rows as f64 / repeated.period);
+                widening[c.joint] = widening[c.joint].max(1.0 + (periods - 1.0) * part.clamp(0.0, 1.0));
+            }
+        }
+        widening
     }
 
     pub(super) fn stacked(&self) -> Stacked {
@@ -183,16 +230,33 @@ impl LawBlock {
     }
 }
 
+impl Repeated {
+    /// The correlation of errors that have one phase in different periods, of so many rows, and the pairs from which it is known; none
+    /// without errors or pairs.
+    fn part(&self, rows: usize, combination: &[f64]) -> Option<(f64, f64)> {
+        let [of_sums, of_all] = [&self.sums, &self.all].map(|factor| norm(&factor.times(combination)).powi(2));
+        let part = (of_sums - of_all) / self.pairs / (of_all / rows as f64);
+        (self.pairs > 0.0 && part.is_finite()).then_some((part, self.pairs))
+    }
+}
+
 impl Correlated {
     fn new(factors: &ModelFactors, joint: usize, of_law: &[usize]) -> Self {
         let moving_sums = &factors.moving_sums[joint];
         let with_ones: Vec<usize> = of_law.iter().copied().chain([moving_sums.columns() - 1]).collect();
+        let repeated = |found: &RepeatedRows| {
+            let own = factors.cells.iter().filter(|cell| cell.joint == joint).map(|cell| &cell.factor);
+            let all = Matrix::stack(&own.collect::<Vec<_>>()).select_columns(of_law).triangular_factor();
+            let sums = found.factors[joint].select_columns(of_law);
+            Repeated { period: found.period, pairs: found.pairs, sums, all }
+        };
         Self {
             joint,
             rows: factors.rows,
             span: factors.span,
             sums: of_law.iter().map(|&c| factors.sums[joint][c]).collect(),
             moving_sums: moving_sums.select_columns(&with_ones),
+            repeated: factors.repeated.as_ref().map(repeated),
         }
     }
 }

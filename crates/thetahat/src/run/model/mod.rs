@@ -28,8 +28,8 @@ mod whitened;
 
 pub(crate) use candidates::transitions;
 pub(crate) use columns::{ModelColumns, changing};
-pub use factors::{ModelCell, ModelFactors, SettledRows};
-pub(crate) use factors::{ModelCollector, Slow, near_rest_limits, span};
+pub(crate) use factors::{InPlaceOfRows, ModelCollector, Slow, near_rest_limits, span};
+pub use factors::{ModelCell, ModelFactors, RepeatedRows, SettledRows};
 pub(crate) use folds::FEWEST_RECORDINGS;
 pub(crate) use law_factors::ModelData;
 pub use parts::Parts;
