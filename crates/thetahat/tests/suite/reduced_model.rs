@@ -9,10 +9,9 @@ use thetahat::{
     results::{ModelResult, ReasonCode, VerdictReason},
 };
 
-/// Between values of the model: its solver stops at 1e-10 of the objective, which is flat there.
+/// Between values of the model, relative to the value, or to half of its interval if that is larger: its solver stops at 1e-10 of the
+/// objective, which is flat there.
 const EQUAL: f64 = 1e-6;
-/// Least size of a value in its unit: below, the recording says nothing of it.
-const LEAST: f64 = 1e-3;
 
 fn experiment() -> Experiment {
     let mut experiment = Experiment::demo().unwrap();
@@ -48,7 +47,8 @@ fn assert_same(found: &ModelResult, expected: &ModelResult) {
         (expected.friction_transition, expected.belief_weight)
     );
     for (f, e) in found.parameters.iter().zip(&expected.parameters) {
-        assert!((f.value - e.value).abs() < EQUAL * e.value.abs().max(LEAST), "{}: {} {}", e.name, f.value, e.value);
+        let size = e.interval_95.map_or(e.value.abs(), |[low, high]| e.value.abs().max(0.5 * (high - low)));
+        assert!((f.value - e.value).abs() < EQUAL * size, "{}: {} {}", e.name, f.value, e.value);
         assert!((f.decided_percent - e.decided_percent).abs() < 0.01, "{}", e.name);
     }
     let errors = |model: &ModelResult| {

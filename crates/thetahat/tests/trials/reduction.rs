@@ -15,10 +15,9 @@ use thetahat_testing::{Folder, each_night, ensure};
 
 /// Relative to the estimate, and to its standard deviation where that is larger.
 const EQUAL: f64 = 1e-9;
-/// Between values and errors of the model, whose solver stops at 1e-10 of the objective.
+/// Between values and errors of the model, whose solver stops at 1e-10 of the objective; of a value relative to half of its interval if
+/// that is larger.
 const EQUAL_MODEL: f64 = 1e-6;
-/// Least size of a value of the model in its unit: below, the recording says nothing of it.
-const LEAST: f64 = 1e-3;
 /// The same for IV, whose matrix Z^T X has a larger condition number.
 const EQUAL_IV: f64 = 1e-8;
 /// Simulated in pieces or as a whole, with other steps of the integration, in standard deviations: 0.0096 were found.
@@ -141,7 +140,8 @@ fn same_model(found: &Results, expected: &Results) -> Result<(), Failed> {
     ensure(f.friction_transition == e.friction_transition, "the same transition")?;
     ensure(f.belief_weight == e.belief_weight, "the same belief")?;
     for (f, e) in f.parameters.iter().zip(&e.parameters) {
-        close(f.value, e.value, e.value.abs().max(LEAST), EQUAL_MODEL, &format!("{} of the model", e.name))?;
+        let size = e.interval_95.map_or(e.value.abs(), |[low, high]| e.value.abs().max(0.5 * (high - low)));
+        close(f.value, e.value, size, EQUAL_MODEL, &format!("{} of the model", e.name))?;
     }
     close(f.fit.percent, e.fit.percent, e.fit.percent, EQUAL_MODEL, "error of the model")?;
     match (&f.unseen, &e.unseen) {

@@ -82,6 +82,9 @@ pub(super) struct LawBlock {
     pub(super) factor: Matrix,
 }
 
+/// The joint, the part, whether the joint is near rest, and the bits of the weight.
+type BlockPlace = (usize, usize, bool, u64);
+
 /// What says how errors of one joint in one recording are correlated in time.
 struct Correlated {
     joint: usize,
@@ -118,7 +121,7 @@ impl LawFactors {
     fn new(data: &ModelData, transition: usize, folds: ModelFolds) -> Self {
         let joints = data.columns.joints();
         let of_law: Vec<Vec<usize>> = (0..joints).map(|joint| data.columns.of_law(joint, transition)).collect();
-        let mut joined: BTreeMap<(usize, usize, bool, u64), (usize, Vec<Matrix>)> = BTreeMap::new();
+        let mut joined: BTreeMap<BlockPlace, (usize, Vec<Matrix>)> = BTreeMap::new();
         let mut correlated = Vec::new();
         for (k, (weight, factors)) in data.recordings.iter().enumerate() {
             for cell in &factors.cells {
@@ -130,7 +133,7 @@ impl LawFactors {
             }
             correlated.extend((0..joints).map(|joint| Correlated::new(factors, joint, &of_law[joint])));
         }
-        let block = |((joint, part, is_near_rest, weight), (rows, all)): (_, (usize, Vec<Matrix>))| {
+        let block = |((joint, part, is_near_rest, weight), (rows, all)): (BlockPlace, (usize, Vec<Matrix>))| {
             let factor = Matrix::stack(&all.iter().collect::<Vec<_>>()).triangular_factor();
             let factor = data.columns.spread(joint, &factor);
             LawBlock { joint, part, is_near_rest, weight: f64::from_bits(weight), rows, factor }
