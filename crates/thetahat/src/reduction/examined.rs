@@ -33,6 +33,15 @@ pub(super) struct Examined {
     pub samples: Option<Box<Recording>>,
 }
 
+/// How a motion repeats.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Repetition {
+    /// The frequency of the reference that simulations would follow: parts of its period are left out in turn.
+    pub of_reference_hz: Option<f64>,
+    /// The frequency of the motion, whatever reference is recorded: errors may come back with it.
+    pub of_motion_hz: Option<f64>,
+}
+
 /// A recording that is short enough to be examined as a whole.
 pub(super) struct Whole {
     recording: Recording,
@@ -77,21 +86,28 @@ impl<'a> Examiner<'a> {
         (source.samples <= MOST_SAMPLES).then(read)
     }
 
-    /// The frequency of the motion, where no reference is recorded and it repeats: of a long recording, of its first part.
-    pub(super) fn frequency_hz(
+    /// How the motion repeats; of a long recording, its first part.
+    pub(super) fn repetition(
         &self,
         source: &Source<'_>,
         whole: Option<&Result<Whole, ReductionError>>,
         has_reference: bool,
-    ) -> Option<f64> {
-        if let Some(whole) = whole {
-            return whole.as_ref().ok()?.prepared.frequency_hz();
+    ) -> Repetition {
+        let of_motion = |recording: &Recording| {
+            frequency_hz(&self.experiment.setup().reference_of_motion(recording).ok()?.reference)
+        };
+        match whole {
+            Some(Ok(Whole { recording, prepared })) => Repetition {
+                of_reference_hz: prepared.frequency_hz(),
+                of_motion_hz: prepared.frequency_hz().or_else(|| of_motion(recording)),
+            },
+            Some(Err(_)) => Repetition::default(),
+            None => {
+                let of_motion_hz = source.excerpt(0..MOST_SAMPLES).ok().and_then(|first| of_motion(&first));
+                let is_followed = !has_reference && self.simulates();
+                Repetition { of_reference_hz: of_motion_hz.filter(|_| is_followed), of_motion_hz }
+            }
         }
-        if has_reference || !self.simulates() {
-            return None;
-        }
-        let first = source.excerpt(0..MOST_SAMPLES).ok()?;
-        frequency_hz(&self.experiment.setup().reference(&first).ok()?.reference)
     }
 
     /// What the checks find in a recording that was reduced.

@@ -2,7 +2,7 @@ use std::{collections::BTreeMap, ops::Range, path::Path};
 
 use super::{
     error::ReductionError,
-    examined::Examiner,
+    examined::{Examiner, Repetition},
     factors::{JointColumns, RowCollector},
     fingerprint::Fingerprint,
     identity::Identity,
@@ -110,7 +110,7 @@ impl Experiment {
             let mut report = |done, to_do| progress(ReduceProgress { recording: i + 1, recordings, done, to_do });
             let whole = examiner.whole(&source, (i + 1, data));
             let has_reference = description.reference.is_some();
-            let described = (Some(description), examiner.frequency_hz(&source, whole.as_ref(), has_reference));
+            let described = (Some(description), examiner.repetition(&source, whole.as_ref(), has_reference));
             let reduced = reducer.recording(&source, described, &mut report)?;
             let examined = examiner.examine(&source, whole, &reduced)?;
             reduction.add(reduced.examined(examined))?;
@@ -119,8 +119,8 @@ impl Experiment {
             let source = Source::of_recording(self, self.simulate_twin(twin)?);
             let mut report = |done, to_do| progress(ReduceProgress { recording: 1, recordings, done, to_do });
             let whole = examiner.whole(&source, (1, data));
-            let frequency_hz = examiner.frequency_hz(&source, whole.as_ref(), true);
-            let reduced = reducer.recording(&source, (None, frequency_hz), &mut report)?;
+            let repetition = examiner.repetition(&source, whole.as_ref(), true);
+            let reduced = reducer.recording(&source, (None, repetition), &mut report)?;
             let examined = examiner.examine(&source, whole, &reduced)?;
             reduction.add(reduced.examined(examined))?;
         }
@@ -228,7 +228,7 @@ impl<'a> Reducer<'a> {
     fn recording(
         &mut self,
         source: &Source<'_>,
-        (description, frequency_hz): (Option<&RecordingDescription>, Option<f64>),
+        (description, repetition): (Option<&RecordingDescription>, Repetition),
         report: &mut dyn FnMut(usize, usize),
     ) -> Result<ReducedRecording, ReductionError> {
         let pieces = Pieces::new(self.experiment, source, self.options.piece_samples)?;
@@ -241,8 +241,9 @@ impl<'a> Reducer<'a> {
         let model_rows = ModelRows::new((self.model, self.base), &self.identity, &signal, window.len());
         let model_rows = model_rows.map_err(|e| refuse(self.experiment, e))?;
         let near_rest_limits = near_rest_limits(near_rest.as_ref(), self.identity.joints.len());
-        let period = frequency_hz.map(|frequency_hz| source.sample_rate_hz / (frequency_hz * signal.decimation as f64));
-        let parts = self.row_parts(source, (&window, &decimator), frequency_hz);
+        let rows_of_period = |hz: f64| source.sample_rate_hz / (hz * signal.decimation as f64);
+        let period = repetition.of_motion_hz.map(rows_of_period);
+        let parts = self.row_parts(source, (&window, &decimator), repetition.of_reference_hz);
         let simulated = |theta: &Vec<f64>| {
             Simulated::new(self.experiment, (self.model, self.base), source, theta, (pieces.reach, &window))
         };
