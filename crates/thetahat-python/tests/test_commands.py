@@ -81,7 +81,7 @@ def test_experiments_are_simulated_reduced_and_solved(checkout, tmp_path):
     solved = th.solve(reduced)
     assert solved.model is not None and solved["idim-wls"].relative_error_percent < 2
     rows = th.solve(th.reduce(tmp_path / "experiment.toml", tmp_path / "rows.reduction", rows_only=True))
-    assert rows.model is None and rows["idim-ls"].relative_error_percent < 2
+    assert rows.model is not None and rows["idim-ls"].relative_error_percent < 2
     with pytest.raises(th.ReductionError, match="cannot be read"):
         th.solve(tmp_path / "absent")
 

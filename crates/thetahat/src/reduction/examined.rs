@@ -11,7 +11,7 @@ use super::{
 use crate::{
     experiment::Experiment,
     preparation::{Basis, Recording},
-    run::{ExaminationModel, PreparedRecording, compare, examine},
+    run::{ExaminationModel, PreparedRecording, compare, examine, frequency_hz},
 };
 use thetahat_estimation::checks::Finding;
 use thetahat_model::{base_parameters::BaseParameters, dynamics::Model};
@@ -31,6 +31,21 @@ pub(super) struct Examined {
     pub folds: Option<RecordingFolds>,
     /// The recording itself, where it is kept.
     pub samples: Option<Box<Recording>>,
+}
+
+/// How a motion repeats.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Repetition {
+    /// The frequency of the reference that simulations would follow: parts of its period are left out in turn.
+    pub of_reference_hz: Option<f64>,
+    /// The frequency of the motion, whatever reference is recorded: errors may come back with it.
+    pub of_motion_hz: Option<f64>,
+}
+
+/// A recording that is short enough to be examined as a whole.
+pub(super) struct Whole {
+    recording: Recording,
+    prepared: PreparedRecording,
 }
 
 /// Examines the recordings of an experiment one after the other, and then with one another.
@@ -57,20 +72,57 @@ impl<'a> Examiner<'a> {
         Ok(Self { experiment, model, base, estimated, keeps_samples, prepared: Some(Vec::new()) })
     }
 
-    /// What the checks find in a recording that was reduced; it has the place `number`, from one, in the experiment.
+    /// A recording with the place `number`, from one, in the experiment; none if it is too long to be examined as a whole.
+    pub(super) fn whole(
+        &self,
+        source: &Source<'_>,
+        (number, data): (usize, &Path),
+    ) -> Option<Result<Whole, ReductionError>> {
+        let read = || {
+            let recording = source.complete(number, data)?;
+            let prepared = self.prepare(recording.clone())?;
+            Ok(Whole { recording, prepared })
+        };
+        (source.samples <= MOST_SAMPLES).then(read)
+    }
+
+    /// How the motion repeats; of a long recording, its first part.
+    pub(super) fn repetition(
+        &self,
+        source: &Source<'_>,
+        whole: Option<&Result<Whole, ReductionError>>,
+        has_reference: bool,
+    ) -> Repetition {
+        let of_motion = |recording: &Recording| {
+            frequency_hz(&self.experiment.setup().reference_of_motion(recording).ok()?.reference)
+        };
+        match whole {
+            Some(Ok(Whole { recording, prepared })) => Repetition {
+                of_reference_hz: prepared.frequency_hz(),
+                of_motion_hz: prepared.frequency_hz().or_else(|| of_motion(recording)),
+            },
+            Some(Err(_)) => Repetition::default(),
+            None => {
+                let of_motion_hz = source.excerpt(0..MOST_SAMPLES).ok().and_then(|first| of_motion(&first));
+                let is_followed = !has_reference && self.simulates();
+                Repetition { of_reference_hz: of_motion_hz.filter(|_| is_followed), of_motion_hz }
+            }
+        }
+    }
+
+    /// What the checks find in a recording that was reduced.
     pub(super) fn examine(
         &mut self,
         source: &Source<'_>,
-        (number, data): (usize, &Path),
+        whole: Option<Result<Whole, ReductionError>>,
         reduced: &ReducedRecording,
     ) -> Result<Examined, ReductionError> {
-        if source.samples > MOST_SAMPLES {
+        let Some(whole) = whole else {
             self.prepared = None;
             return self.examine_parts(source, reduced);
-        }
-        let recording = source.complete(number, data)?;
-        let samples = self.keeps_samples.then(|| Box::new(recording.clone()));
-        let prepared = self.prepare(recording)?;
+        };
+        let Whole { recording, prepared } = whole?;
+        let samples = self.keeps_samples.then(|| Box::new(recording));
         let findings = self.findings_of(&prepared);
         let folds = self.folds_of(&prepared, reduced);
         self.keep(prepared);
@@ -89,14 +141,19 @@ impl<'a> Examiner<'a> {
 
     /// Filters a recording, and finds the reference of its motion where simulations would follow it.
     fn prepare(&self, mut recording: Recording) -> Result<PreparedRecording, ReductionError> {
-        let (setup, settings) = (self.experiment.setup(), &self.experiment.settings);
+        let setup = self.experiment.setup();
         if recording.name.is_empty() {
             recording.name = "1".to_owned();
         }
         let filtered = setup.filter(recording).map_err(|e| self.experiment.refuse(e))?;
-        let simulates = settings.controller.is_some() || settings.lacks_controller();
-        let reference = simulates.then(|| setup.reference(&filtered.recording).ok()).flatten();
+        let reference = self.simulates().then(|| setup.reference(&filtered.recording).ok()).flatten();
         Ok(PreparedRecording { filtered, reference })
+    }
+
+    /// Whether simulations would follow a reference.
+    fn simulates(&self) -> bool {
+        let settings = &self.experiment.settings;
+        settings.controller.is_some() || settings.lacks_controller()
     }
 
     fn findings_of(&self, prepared: &PreparedRecording) -> Vec<Finding> {

@@ -70,7 +70,7 @@ impl JointRows {
 }
 
 /// Rows of each segment but the last.
-fn rows_of_segment(rows: usize) -> usize {
+pub(super) fn rows_of_segment(rows: usize) -> usize {
     let mut length = SHORTEST;
     while rows.div_ceil(length) > MOST_SEGMENTS {
         length *= 2;

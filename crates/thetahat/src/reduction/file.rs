@@ -3,7 +3,8 @@
 //! or where they were too many of each segment the counted rows and the upper triangles of the factors of all joints; then the
 //! samples of each signal, where they are kept.
 //!
-//! Forms 1 and 2 had neither findings of the checks nor marks of samples, form 3 had no samples.
+//! Forms 1 and 2 had neither findings of the checks nor marks of samples, form 3 had no samples, form 4 nothing of the
+//! model.
 
 use std::{
     io::{self, Read},
@@ -14,19 +15,23 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Identity, JointRows, KeptRows, ReducedRecording, Reduction, ReductionError, Segment,
+    factors::MOST_SEGMENTS,
     fingerprint::scrambled,
     overlap::Marks,
     samples::{self, SamplesHeader},
     value::{ComparedRecordings, RecordingFolds},
 };
-use crate::preparation::Recording;
+use crate::{
+    preparation::Recording,
+    run::{FOLDS, ModelCell, ModelFactors, Parts, RepeatedRows, STRETCHES, SettledRows, span},
+};
 use thetahat_estimation::checks::Finding;
 use thetahat_ground::{files, linear_algebra::Matrix, output::replace_file};
 use thetahat_report::results::NearRestResult;
 
 const MAGIC: &[u8] = b"thetahat reduction ";
 /// The form that is written and read.
-const FORM: u32 = 4;
+const FORM: u32 = 5;
 const CHECKSUM: usize = 8;
 
 #[derive(Serialize, Deserialize)]
@@ -71,7 +76,42 @@ struct RecordingHeader {
     examined_parts: usize,
     folds: Option<RecordingFolds>,
     kept: KeptHeader,
+    model: ModelHeader,
     samples_kept: Option<SamplesHeader>,
+}
+
+/// How what the model is chosen from stands in the file.
+#[derive(Serialize, Deserialize)]
+struct ModelHeader {
+    rows: usize,
+    span: usize,
+    mean_position: Vec<f64>,
+    squared_velocities: Vec<Vec<f64>>,
+    cells: Vec<CellHeader>,
+    settled: Vec<SettledHeader>,
+    repeated: Option<RepeatedHeader>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct RepeatedHeader {
+    period: f64,
+    pairs: f64,
+}
+
+#[derive(Serialize, Deserialize)]
+struct SettledHeader {
+    joint: usize,
+    stretch: usize,
+    transitions: usize,
+    rows: usize,
+}
+
+#[derive(Serialize, Deserialize)]
+struct CellHeader {
+    joint: usize,
+    parts: Parts,
+    is_near_rest: bool,
+    rows: usize,
 }
 
 impl Reduction {
@@ -115,6 +155,7 @@ impl Reduction {
             examined_parts: r.examined_parts,
             folds: r.folds.clone(),
             kept: KeptHeader::of(&r.kept),
+            model: ModelHeader::of(&r.model),
             samples_kept: r.samples_kept.as_deref().map(SamplesHeader::of),
         };
         let header = Header {
@@ -133,6 +174,7 @@ impl Reduction {
         let mut write = |value: f64| bytes.extend(value.to_le_bytes());
         for recording in &self.recordings {
             recording.kept.write(&mut write);
+            write_model(&recording.model, &mut write);
             recording.samples_kept.iter().for_each(|samples| samples::write(samples, &mut write));
         }
         let sum = checksum(&bytes);
@@ -170,6 +212,7 @@ impl Identity {
         let parameters = self.parameters.len();
         let columns = |acting: &Vec<usize>| acting.is_sorted_by(|a, b| a < b) && acting.iter().all(|c| *c < parameters);
         let fits = self.acting.len() == self.joints.len() && self.expressions.len() == parameters;
+        let fits = fits && columns(&self.changing) && !self.transitions.is_empty();
         (fits && !self.joints.is_empty() && self.acting.iter().all(columns)).then_some(())
     }
 }
@@ -184,9 +227,12 @@ impl Header {
         let matrices = if self.instruments.is_some() { 2 } else { 1 };
         let columns: Vec<usize> = self.identity.acting.iter().map(|acting| matrices * acting.len() + 1).collect();
         let joints = columns.len();
+        let of_model = self.identity.model_columns();
+        let model_columns: Vec<usize> = (0..joints).map(|joint| of_model.count(joint)).collect();
         let values = |r: &RecordingHeader| {
             let samples = r.samples_kept.as_ref().map_or(Some(0), |samples| samples.values(joints));
-            r.kept.values(&columns)?.checked_add(samples?)
+            let model = r.model.values(&model_columns)?;
+            r.kept.values(&columns)?.checked_add(model)?.checked_add(samples?)
         };
         let needed = total_of(self.recordings.iter().map(values))?;
         if bytes.len() != needed.checked_mul(8)? || !self.recordings.iter().all(RecordingHeader::has_folds_of_its_rows)
@@ -198,6 +244,7 @@ impl Header {
         let recordings = self.recordings.into_iter().map(|r| ReducedRecording {
             rows: r.kept.rows().unwrap_or_default(),
             kept: r.kept.read(&columns, &mut next),
+            model: r.model.read(&model_columns, &mut next),
             samples_kept: r.samples_kept.map(|samples| {
                 let recording = samples.read(joints, &mut next);
                 let (name, weight, torque_hold_s) = (r.name.clone(), r.weight, r.torque_hold_s);
@@ -237,6 +284,113 @@ impl RecordingHeader {
             Some(folds.of_row.len()) == self.kept.rows() && folds.of_row.iter().all(|fold| *fold < folds.names.len())
         };
         self.folds.as_ref().is_none_or(fits)
+    }
+}
+
+/// Rows of a factor of so many rows: no more than its columns.
+fn rows_of_factor(rows: usize, columns: usize) -> usize {
+    rows.min(columns)
+}
+
+fn write_model(model: &ModelFactors, write: &mut impl FnMut(f64)) {
+    let mut factor = |factor: &Matrix| {
+        upper(factor.rows(), factor.columns()).for_each(|(i, j)| write(factor.at(i, j)));
+    };
+    model.cells.iter().for_each(|cell| factor(&cell.factor));
+    model.moving_sums.iter().for_each(&mut factor);
+    model.settled.iter().for_each(|rows| factor(&rows.factor));
+    model.repeated.iter().flat_map(|repeated| &repeated.factors).for_each(&mut factor);
+    model.sums.iter().flatten().for_each(|sum| write(*sum));
+}
+
+impl ModelHeader {
+    fn of(model: &ModelFactors) -> Self {
+        let cell = |cell: &ModelCell| CellHeader {
+            joint: cell.joint,
+            parts: cell.parts,
+            is_near_rest: cell.is_near_rest,
+            rows: cell.rows,
+        };
+        let settled = |rows: &SettledRows| SettledHeader {
+            joint: rows.joint,
+            stretch: rows.stretch,
+            transitions: rows.transitions,
+            rows: rows.rows,
+        };
+        Self {
+            rows: model.rows,
+            span: model.span,
+            mean_position: model.mean_position.clone(),
+            squared_velocities: model.squared_velocities.clone(),
+            cells: model.cells.iter().map(cell).collect(),
+            settled: model.settled.iter().map(settled).collect(),
+            repeated: model.repeated.as_ref().map(|r| RepeatedHeader { period: r.period, pairs: r.pairs }),
+        }
+    }
+
+    /// Rows of the factor of moving sums over so many columns and ones.
+    fn moving(&self, columns: usize) -> usize {
+        rows_of_factor(self.rows.saturating_add(self.span - 1), columns + 1)
+    }
+
+    /// How many values stand in the file, of joints with so many columns; none if it contradicts itself.
+    fn values(&self, columns: &[usize]) -> Option<usize> {
+        let joints = columns.len();
+        let is_of_joints = self.mean_position.len() == joints && self.squared_velocities.len() == joints;
+        let has_parts = self.squared_velocities.iter().all(|of| of.len() == STRETCHES.len() * FOLDS);
+        let is_part = |part: &Option<u8>| part.is_none_or(|part| usize::from(part) < FOLDS);
+        let is_cell = |cell: &CellHeader| cell.joint < joints && cell.parts.iter().all(is_part);
+        let is_settled = |rows: &SettledHeader| rows.joint < joints && rows.stretch < MOST_SEGMENTS;
+        let are_valid = self.cells.iter().all(is_cell) && self.settled.iter().all(is_settled);
+        if !is_of_joints || !has_parts || !are_valid || self.span != span(self.rows) {
+            return None;
+        }
+        let of_rows =
+            |joint: usize, rows: usize| Some(upper_count(rows_of_factor(rows, columns[joint]), columns[joint]));
+        let of_cells = self.cells.iter().map(|cell| of_rows(cell.joint, cell.rows));
+        let of_settled = self.settled.iter().map(|settled| of_rows(settled.joint, settled.rows));
+        let of_joint = |n: &usize| upper_count(self.moving(*n), n + 1).checked_add(*n);
+        let of_phases = |(repeated, n): (&RepeatedHeader, &usize)| {
+            Some(upper_count(rows_of_factor(RepeatedRows::phases(repeated.period), *n), *n))
+        };
+        let of_repeated = self.repeated.iter().flat_map(|repeated| columns.iter().map(move |n| (repeated, n)));
+        let of_all = of_cells.chain(columns.iter().map(of_joint)).chain(of_settled);
+        total_of(of_all.chain(of_repeated.map(of_phases)))
+    }
+
+    fn read(self, columns: &[usize], next: &mut impl FnMut() -> f64) -> ModelFactors {
+        let mut factor = |rows: usize, n: usize| matrix((rows, n), upper(rows, n), next);
+        let cell = |cell: &CellHeader| {
+            let n = columns[cell.joint];
+            ModelCell {
+                joint: cell.joint,
+                parts: cell.parts,
+                is_near_rest: cell.is_near_rest,
+                rows: cell.rows,
+                factor: factor(rows_of_factor(cell.rows, n), n),
+            }
+        };
+        let cells = self.cells.iter().map(cell).collect();
+        let moving_sums = columns.iter().map(|n| factor(self.moving(*n), n + 1)).collect();
+        let settled = |rows: &SettledHeader| {
+            let n = columns[rows.joint];
+            SettledRows {
+                joint: rows.joint,
+                stretch: rows.stretch,
+                transitions: rows.transitions,
+                rows: rows.rows,
+                factor: factor(rows_of_factor(rows.rows, n), n),
+            }
+        };
+        let settled = self.settled.iter().map(settled).collect();
+        let repeated = self.repeated.map(|RepeatedHeader { period, pairs }| {
+            let phases = RepeatedRows::phases(period);
+            let factors = columns.iter().map(|n| factor(rows_of_factor(phases, *n), *n)).collect();
+            RepeatedRows { period, pairs, factors }
+        });
+        let sums = columns.iter().map(|n| (0..*n).map(|_| next()).collect()).collect();
+        let Self { rows, span, mean_position, squared_velocities, .. } = self;
+        ModelFactors { rows, mean_position, squared_velocities, cells, sums, span, moving_sums, settled, repeated }
     }
 }
 

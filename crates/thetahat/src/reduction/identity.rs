@@ -6,8 +6,9 @@ use super::ReductionError;
 use crate::{
     experiment::Experiment,
     preparation::{Mask, NamedMask, Settings},
+    run::{ModelColumns, changing, transitions},
 };
-use thetahat_model::{base_parameters::BaseParameters, regressor::Regressor, robot::Robot};
+use thetahat_model::{base_parameters::BaseParameters, dynamics::Model, regressor::Regressor, robot::Robot};
 
 /// What must agree before reductions can be solved together.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -36,11 +37,20 @@ pub struct Identity {
     pub derivative: String,
     /// Which samples near rest make no rows.
     pub mask: String,
+    /// Velocities at which friction changes its sign, from which the model's is chosen, rad/s or m/s.
+    pub transitions: Vec<f64>,
+    /// The base parameters, from zero, whose columns depend on it.
+    pub changing: Vec<usize>,
 }
 
 impl Identity {
     /// That of an experiment's reductions. Without jumps of its torques at changes of velocity, a robot has no mask.
-    pub(super) fn of(experiment: &Experiment, base: &BaseParameters, regressor: &Regressor, has_jumps: bool) -> Self {
+    pub(super) fn of(
+        experiment: &Experiment,
+        (model, base): (&Model, &BaseParameters),
+        regressor: &Regressor,
+        has_jumps: bool,
+    ) -> Self {
         let signal = experiment.settings.signal;
         let joints: Vec<String> = experiment.robot.coordinates().map(|j| j.name.clone()).collect();
         Self {
@@ -56,7 +66,15 @@ impl Identity {
             decimation: signal.decimation,
             derivative: signal.derivative.to_string(),
             mask: mask_in_words(&experiment.settings, has_jumps),
+            transitions: transitions(experiment.setup()),
+            changing: changing(model, base),
         }
+    }
+
+    /// The columns of the rows from which the model is chosen.
+    pub(super) fn model_columns(&self) -> ModelColumns {
+        let sizes = [self.transitions.len(), self.parameters.len()];
+        ModelColumns::new(self.acting.clone(), self.changing.clone(), sizes)
     }
 
     /// Whether it is of a robot with these base parameters: the same joints, locks and geometry.
@@ -71,6 +89,7 @@ impl Identity {
     /// Refuses another with which it cannot be merged, and says what differs.
     pub(super) fn require_like(&self, other: &Self) -> Result<(), ReductionError> {
         let list = |list: &[String]| list.join(" ");
+        let numbers = |numbers: &[f64]| numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
         let texts = [
             ("the list of joints", list(&self.joints), list(&other.joints)),
             ("the locked joints", list(&self.locked), list(&other.locked)),
@@ -81,6 +100,7 @@ impl Identity {
             ("the decimation", self.decimation.to_string(), other.decimation.to_string()),
             ("the derivative", self.derivative.clone(), other.derivative.clone()),
             ("the mask near rest", self.mask.clone(), other.mask.clone()),
+            ("the model's friction_transition", numbers(&self.transitions), numbers(&other.transitions)),
         ];
         if let Some((what, first, other)) = texts.into_iter().find(|(_, first, other)| first != other) {
             return Err(ReductionError::Unlike { what, first, other });

@@ -2,8 +2,8 @@
 //!
 //! [`Experiment::reduce`](crate::experiment::Experiment::reduce) reads the recordings in pieces, makes the rows of an
 //! identification of them, and keeps for each joint and stretch of time the upper triangular factor of `[X y]`, with
-//! instruments of `[Z X y]`. A [`Reduction`] is a value: written to a file and read, merged with others in any order, solved
-//! ([`Reduction::solve`]). No product `X^T X` or `Z^T X` of rows is formed.
+//! instruments of `[Z X y]`, and what the model is chosen from. A [`Reduction`] is a value: written to a file and read, merged
+//! with others in any order, solved ([`Reduction::solve`]). No product `X^T X` or `Z^T X` of rows is formed.
 //!
 //! | letter | word | shape |
 //! | --- | --- | --- |
@@ -21,6 +21,7 @@
 //! | `instruments` | the simulated motion of a piece |
 //! | `reduce` | all of it, recording by recording |
 //! | `factors` | rows to factors, stretch by stretch |
+//! | `model_rows` | the rows of every sample, from which the model is chosen |
 //! | `samples` | the samples of short recordings |
 //! | `part` | parts of an experiment that are reduced by themselves |
 //! | `value`, `file`, `fingerprint` | the reduction, its merging and its file; by what a recording is known again |
@@ -52,6 +53,7 @@ mod fingerprint;
 mod identity;
 mod information;
 mod instruments;
+mod model_rows;
 mod near_rest;
 mod overlap;
 mod part;
@@ -65,6 +67,8 @@ mod source;
 mod survey;
 mod value;
 
+#[doc(hidden)]
+pub use crate::run::{ModelCell, ModelFactors, Parts, RepeatedRows, SettledRows};
 pub use error::{ReductionError, SharedSpan};
 pub use estimates::estimates_of_results;
 #[doc(hidden)]

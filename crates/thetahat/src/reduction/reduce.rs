@@ -1,12 +1,13 @@
-use std::{collections::BTreeMap, path::Path};
+use std::{collections::BTreeMap, ops::Range, path::Path};
 
 use super::{
     error::ReductionError,
-    examined::Examiner,
+    examined::{Examiner, Repetition},
     factors::{JointColumns, RowCollector},
     fingerprint::Fingerprint,
     identity::Identity,
     instruments::Simulated,
+    model_rows::{ModelRows, ModelTaker},
     near_rest::NearRestMask,
     overlap::Marks,
     pieces::{Pieces, refuse},
@@ -18,6 +19,7 @@ use super::{
 use crate::{
     experiment::{Experiment, RecordingDescription},
     preparation::{Basis, Case, PreparationError, STILL},
+    run::{RowParts, memory, near_rest_limits, places},
 };
 use thetahat_estimation::signal::{Decimator, Joiner, SignalError};
 use thetahat_ground::pool::in_order;
@@ -106,15 +108,20 @@ impl Experiment {
         for (i, description) in self.file.recording.iter().enumerate() {
             let source = Source::open(self, description, (i + 1, data), reducer.theta.is_some())?;
             let mut report = |done, to_do| progress(ReduceProgress { recording: i + 1, recordings, done, to_do });
-            let reduced = reducer.recording(&source, Some(description), &mut report)?;
-            let examined = examiner.examine(&source, (i + 1, data), &reduced)?;
+            let whole = examiner.whole(&source, (i + 1, data));
+            let has_reference = description.reference.is_some();
+            let described = (Some(description), examiner.repetition(&source, whole.as_ref(), has_reference));
+            let reduced = reducer.recording(&source, described, &mut report)?;
+            let examined = examiner.examine(&source, whole, &reduced)?;
             reduction.add(reduced.examined(examined))?;
         }
         if let Some(twin) = &self.file.twin {
             let source = Source::of_recording(self, self.simulate_twin(twin)?);
             let mut report = |done, to_do| progress(ReduceProgress { recording: 1, recordings, done, to_do });
-            let reduced = reducer.recording(&source, None, &mut report)?;
-            let examined = examiner.examine(&source, (1, data), &reduced)?;
+            let whole = examiner.whole(&source, (1, data));
+            let repetition = examiner.repetition(&source, whole.as_ref(), true);
+            let reduced = reducer.recording(&source, (None, repetition), &mut report)?;
+            let examined = examiner.examine(&source, whole, &reduced)?;
             reduction.add(reduced.examined(examined))?;
         }
         reduction.compared = examiner.compared(&reduction).into_iter().collect();
@@ -159,14 +166,15 @@ struct Taken<'a> {
     left_out: Vec<usize>,
     /// Simulated positions after the last sample.
     seam: Option<Vec<f64>>,
+    model: ModelTaker<'a>,
 }
 
 impl<'a> Taken<'a> {
-    fn new(decimator: &'a Decimator, columns: JointColumns) -> Self {
+    fn new(decimator: &'a Decimator, columns: JointColumns, model: ModelTaker<'a>) -> Self {
         let (joiner, left_out) = (decimator.joiner(), vec![0; columns.channels.len()]);
         let (collector, fingerprint) = (RowCollector::new(columns, decimator), Fingerprint::EMPTY);
         let marks = Marks::default();
-        Self { joiner, collector, fingerprint, marks, peak: 0.0, has_torque: false, left_out, seam: None }
+        Self { joiner, collector, fingerprint, marks, peak: 0.0, has_torque: false, left_out, seam: None, model }
     }
 
     /// Takes the next piece, which starts at sample `start` of the recording.
@@ -180,6 +188,7 @@ impl<'a> Taken<'a> {
             self.seam.iter().try_for_each(|before| simulated.require_seam(before, &first, start))?;
             self.seam = next;
         }
+        self.model.take(piece.model);
         self.joiner.take(piece.decimated).iter().for_each(|rows| self.collector.take(rows));
         Ok(())
     }
@@ -203,19 +212,23 @@ struct Reducer<'a> {
     base: &'a BaseParameters,
     regressor: Regressor,
     options: ReduceOptions,
+    identity: Identity,
     /// Base parameters of the simulation of instruments.
     theta: Option<Vec<f64>>,
 }
 
 impl<'a> Reducer<'a> {
     fn new(experiment: &'a Experiment, model: &'a Model, base: &'a BaseParameters, options: ReduceOptions) -> Self {
-        Self { experiment, model, base, regressor: Regressor::new(model, &base.columns()), options, theta: None }
+        let regressor = Regressor::new(model, &base.columns());
+        let has_jumps = !Jump::among(model, &base.columns()).is_empty();
+        let identity = Identity::of(experiment, (model, base), &regressor, has_jumps);
+        Self { experiment, model, base, regressor, options, identity, theta: None }
     }
 
     fn recording(
         &mut self,
         source: &Source<'_>,
-        description: Option<&RecordingDescription>,
+        (description, repetition): (Option<&RecordingDescription>, Repetition),
         report: &mut dyn FnMut(usize, usize),
     ) -> Result<ReducedRecording, ReductionError> {
         let pieces = Pieces::new(self.experiment, source, self.options.piece_samples)?;
@@ -225,6 +238,12 @@ impl<'a> Reducer<'a> {
         let surveyed = Survey::new(&pieces, self.options.threads, report).run(&signal, !jumps.is_empty())?;
         let Surveyed { window, near_rest, pieces: mut before } = surveyed;
         let decimator = signal.decimator(window.len()).map_err(|e| refuse(self.experiment, e))?;
+        let model_rows = ModelRows::new((self.model, self.base), &self.identity, &signal, window.len());
+        let model_rows = model_rows.map_err(|e| refuse(self.experiment, e))?;
+        let near_rest_limits = near_rest_limits(near_rest.as_ref(), self.identity.joints.len());
+        let rows_of_period = |hz: f64| source.sample_rate_hz / (hz * signal.decimation as f64);
+        let period = repetition.of_motion_hz.map(rows_of_period);
+        let parts = self.row_parts(source, (&window, &decimator), repetition.of_reference_hz);
         let simulated = |theta: &Vec<f64>| {
             Simulated::new(self.experiment, (self.model, self.base), source, theta, (pieces.reach, &window))
         };
@@ -239,8 +258,10 @@ impl<'a> Reducer<'a> {
                 regressor: &self.regressor,
                 simulated: simulated.as_ref(),
                 mask: mask.as_ref(),
+                model_rows: &model_rows,
             };
-            let taken = self.take_all(&rows, &mut before, report)?;
+            let model = model_rows.taker(parts.clone(), near_rest_limits.clone(), period);
+            let taken = self.take_all(&rows, model, &mut before, report)?;
             match mask.as_ref().and_then(|mask| mask.after(&taken.left_out)) {
                 None => break taken,
                 Some(next) => mask = Some(next),
@@ -262,6 +283,7 @@ impl<'a> Reducer<'a> {
             sample_rate_hz: rate,
             window_s: [window.start as f64 / rate, window.end as f64 / rate],
             torque_hold_s: source.torque_hold_s,
+            model: taken.model.finish(window.len()),
             kept: if near_rest.is_some() { kept } else { kept.without_mask() },
             near_rest,
             truth: truth.map(|truth| self.base.from_standard(truth)),
@@ -276,12 +298,14 @@ impl<'a> Reducer<'a> {
     fn take_all<'r>(
         &self,
         rows: &Rows<'r>,
+        model: ModelTaker<'r>,
         before: &mut usize,
         report: &mut dyn FnMut(usize, usize),
     ) -> Result<Taken<'r>, ReductionError> {
         let Rows { pieces, decimator, simulated, .. } = *rows;
-        let parts = pieces.parts(decimator, self.experiment.settings.signal.decimation, rows.channels().count());
-        let mut taken = Taken::new(decimator, joint_columns(&self.regressor, rows.channels()));
+        let channels = rows.channels().count() + rows.model_rows.channels();
+        let parts = pieces.parts(decimator, self.experiment.settings.signal.decimation, channels);
+        let mut taken = Taken::new(decimator, joint_columns(&self.regressor, rows.channels()), model);
         let work = |number: usize| rows.piece(parts[number].clone());
         in_order(parts.len(), self.options.threads, work, |number, piece| {
             let start = rows.window.start + decimator.samples_of(&parts[number]).start;
@@ -293,6 +317,19 @@ impl<'a> Reducer<'a> {
         Ok(taken)
     }
 
+    /// The parts of a window that are left out in turn, of a motion that repeats with a frequency by its periods.
+    fn row_parts(
+        &self,
+        source: &Source<'_>,
+        (window, decimator): (&Range<usize>, &Decimator),
+        frequency_hz: Option<f64>,
+    ) -> RowParts {
+        let (signal, rate) = (&self.experiment.settings.signal, source.sample_rate_hz);
+        let samples: Vec<usize> = decimator.kept().collect();
+        let times_s = samples.iter().map(|k| window.start as f64 / rate + *k as f64 / rate);
+        RowParts::new(places(times_s, frequency_hz), memory(rate, signal.cutoff_hz, signal.decimation))
+    }
+
     /// Where torques of the parameters jump.
     fn jumps(&self) -> Vec<Jump> {
         Jump::among(self.model, &self.base.columns())
@@ -300,9 +337,9 @@ impl<'a> Reducer<'a> {
 
     /// The reduction of no recording.
     fn nothing_yet(&self) -> Reduction {
-        let Self { experiment, base, regressor, .. } = self;
+        let experiment = self.experiment;
         Reduction {
-            identity: Identity::of(experiment, base, regressor, !self.jumps().is_empty()),
+            identity: self.identity.clone(),
             experiment_name: experiment.path.display().to_string(),
             experiment_description: experiment.text.clone(),
             robot_description: experiment.robot_text.clone(),

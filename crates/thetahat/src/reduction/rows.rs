@@ -6,6 +6,7 @@ use super::{
     error::ReductionError,
     fingerprint::Fingerprint,
     instruments::{Simulated, SimulatedPiece},
+    model_rows::{MeasuredPiece, ModelPiece, ModelRows},
     near_rest::{MaskedPiece, NearRestMask},
     overlap::Marks,
     pieces::{Pieces, refuse},
@@ -28,6 +29,8 @@ pub(super) struct Rows<'a> {
     pub simulated: Option<&'a Simulated<'a>>,
     /// Which samples make no rows; none if all do.
     pub mask: Option<&'a NearRestMask>,
+    /// The rows of every sample.
+    pub model_rows: &'a ModelRows,
 }
 
 /// What one piece gives.
@@ -40,6 +43,7 @@ pub(super) struct Piece {
     pub has_torque: bool,
     /// Samples of each coordinate that make no rows.
     pub left_out: Vec<usize>,
+    pub model: ModelPiece,
     /// Simulated positions at the first sample, and at the one after the last.
     pub seam: Option<(Vec<f64>, Option<Vec<f64>>)>,
 }
@@ -102,7 +106,7 @@ impl Rows<'_> {
         let mut workspace = Workspace::new(self.model);
         let mut simulated = self.simulated.map(|s| self.simulated(s, &range, &mut workspace)).transpose()?;
         let (channels, entries) = (self.channels(), self.regressor.entries());
-        let decimated = self.decimator.decimate_piece(rows, channels.count(), |k, values| {
+        let decimated = self.decimator.decimate_piece(rows.clone(), channels.count(), |k, values| {
             let k = k - own.start;
             let (z, values) = values.split_at_mut(channels.measured());
             let (phi, values) = values.split_at_mut(channels.entries);
@@ -121,7 +125,11 @@ impl Rows<'_> {
                 tau.iter_mut().zip(&*used).for_each(|(tau, used)| *tau *= used);
             }
         });
+        let motion =
+            MeasuredPiece { motion: &measured.motion, torque: &measured.centred_torque, first: measured.first };
+        let model = self.model_rows.piece(self.model, motion, rows, &mut workspace);
         Ok(Piece {
+            model: model.map_err(|e| refuse(self.pieces.experiment, e))?,
             decimated: decimated.map_err(|e| refuse(self.pieces.experiment, e))?,
             fingerprint: measured.fingerprint,
             marks: measured.marks,

@@ -8,7 +8,7 @@ use super::{
 use crate::{
     experiment::Experiment,
     preparation::{Case, Recording},
-    run::{Folds, ReducedData, ReducedIdentification, SimulatedInstruments},
+    run::{Folds, ModelData, ReducedData, ReducedIdentification, SimulatedInstruments},
 };
 use thetahat_estimation::{
     identification::{DesignMatrix, Needs},
@@ -42,8 +42,8 @@ pub enum IntervalSource {
 
 impl Reduction {
     /// Identifies: [`Experiment::run`] on the samples of the recordings, where they are kept. Otherwise from the rows, or from
-    /// their triangular factors: estimates, classical deviations and errors are the same, and so are the reasons of the
-    /// verdict, but for those that are listed as not examined; there is no model.
+    /// their triangular factors: estimates, classical deviations, errors and the model are the same, and so are the reasons of the
+    /// verdict, but for those that are listed as not examined.
     ///
     /// The settings are those of the experiment of the first reduction. Intervals are those of an identification where all
     /// rows are kept; else they come from the scores of the stretches of time, by bias-reduced linearisation (CR2) of
@@ -142,12 +142,19 @@ impl Reduction {
             not_examined: self.not_examined(experiment, &regression),
             instruments: z.zip(theta).map(|(z, theta)| SimulatedInstruments { z, theta }),
             regression,
+            model: self.model_data(),
             recordings: self.recordings.iter().map(ReducedRecording::describe).collect(),
             rows: self.recordings.iter().map(|r| r.rows * self.identity.joints.len()).sum(),
             truth: self.recordings.first().and_then(|r| r.truth.clone()),
             findings: self.recordings.iter().map(findings).collect(),
             compared: self.compared.iter().filter_map(together).collect(),
         }
+    }
+
+    /// What the model is chosen from.
+    fn model_data(&self) -> ModelData {
+        let recordings = self.recordings.iter().map(|r| (r.weight.sqrt(), r.model.clone())).collect();
+        ModelData { columns: self.identity.model_columns(), recordings }
     }
 
     /// What is left out in turn: a recording where there are several, else what was found in the only one, else fifths of
@@ -196,6 +203,11 @@ impl Reduction {
                 !regression.is_in_time_order,
                 ReasonCode::NothingExplained,
                 "triangular factors have no rows in time order: what the model explains of each joint was judged by its error alone",
+            ),
+            (
+                true,
+                ReasonCode::Cause,
+                "what a reduction keeps has no samples: causes of the model's error, and torque terms for them, were not tested",
             ),
             (
                 simulates,

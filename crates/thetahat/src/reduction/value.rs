@@ -10,7 +10,10 @@ use super::{
     overlap::Marks,
     samples,
 };
-use crate::preparation::Recording;
+use crate::{
+    preparation::Recording,
+    run::{FEWEST_RECORDINGS, ModelFactors},
+};
 use thetahat_estimation::checks::Finding;
 use thetahat_report::results::NearRestResult;
 
@@ -97,6 +100,8 @@ pub struct ReducedRecording {
     pub folds: Option<RecordingFolds>,
     /// Its rows, or their factors.
     pub kept: KeptRows,
+    /// The factors of the rows of every sample, from which the model is chosen.
+    pub model: ModelFactors,
     /// The recording itself, where it is short: an identification reads it.
     pub samples_kept: Option<Box<Recording>>,
 }
@@ -183,7 +188,8 @@ impl Reduction {
     }
 
     /// Keeps factors in the place of rows where all recordings have too many, and few segments of many recordings: how few
-    /// follows from the number of recordings alone. Samples are kept of all recordings or of none.
+    /// follows from the number of recordings alone. Of many recordings the model's factors are those of whole ones, which are left out in
+    /// turn. Samples are kept of all recordings or of none.
     fn coarsen(&mut self) {
         if !self.keeps_samples() {
             self.recordings.iter_mut().for_each(|recording| recording.samples_kept = None);
@@ -191,7 +197,12 @@ impl Reduction {
         let of_row: usize = self.identity.acting.iter().map(|acting| self.matrices() * acting.len() + 1).sum();
         let are_many = of_row * self.recordings.iter().map(|r| r.rows).sum::<usize>() > MOST_NUMBERS;
         let most = most_segments(self.recordings.len());
+        let left_out_whole = self.recordings.len() >= FEWEST_RECORDINGS;
         for recording in &mut self.recordings {
+            if left_out_whole {
+                recording.model.join_parts();
+            }
+            recording.model.coarsen(most);
             if are_many || matches!(recording.kept, KeptRows::Factors(_)) {
                 recording.kept = KeptRows::Factors(coarsened(recording.kept.segments().into_owned(), most));
             }

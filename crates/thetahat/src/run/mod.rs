@@ -45,8 +45,14 @@ pub(crate) use examination::{ExaminationModel, check_recordings, compare, examin
 #[doc(hidden)]
 pub use identification::Identification;
 pub(crate) use identification::{CaseProblem, explain};
+pub(crate) use model::{
+    FEWEST_RECORDINGS, FOLDS, InPlaceOfRows, ModelCollector, ModelColumns, ModelData, RowParts, STRETCHES, Slow,
+    changing, memory, near_rest_limits, places, span, transitions,
+};
+#[doc(hidden)]
+pub use model::{ModelCell, ModelFactors, Parts, RepeatedRows, SettledRows};
 pub(crate) use prediction::{Identified, predict_torques};
-pub(crate) use prepared::PreparedRecording;
+pub(crate) use prepared::{PreparedRecording, frequency_hz};
 pub(crate) use reduced::data::{ReducedData, ReducedIdentification, SimulatedInstruments};
 #[doc(hidden)]
 pub use terms::profiled_robot::with_constants;

@@ -32,6 +32,11 @@ impl PreparedRecording {
         Folds::of_one_recording(self.reference.as_ref().map(|r| &r.reference), &times)
     }
 
+    /// The frequency of a reference that repeats.
+    pub(crate) fn frequency_hz(&self) -> Option<f64> {
+        frequency_hz(&self.reference.as_ref()?.reference)
+    }
+
     pub(super) fn describe(&self, problem: &Problem) -> RecordingResult {
         let recording = &self.filtered.recording;
         RecordingResult {
@@ -47,6 +52,14 @@ impl PreparedRecording {
             near_rest: near_rest(&self.filtered, problem),
             reference: self.reference.as_ref().map(|r| reference_result(r, &self.filtered)),
         }
+    }
+}
+
+/// The frequency of a reference that repeats.
+pub(crate) fn frequency_hz(reference: &Reference) -> Option<f64> {
+    match reference {
+        Reference::Periodic(periodic) => Some(periodic.series().base_frequency_hz()),
+        Reference::Moves(_) | Reference::Sampled(_) => None,
     }
 }
 

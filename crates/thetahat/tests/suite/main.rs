@@ -29,6 +29,7 @@ mod operation_counts;
 mod payload;
 mod physical;
 mod positions_alone;
+mod reduced_model;
 mod reductions_merged;
 mod references;
 mod report;

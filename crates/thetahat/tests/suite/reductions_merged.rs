@@ -21,6 +21,8 @@ const RATE: f64 = 1000.0;
 /// Between ways to one estimate, in the larger of the estimate and its standard deviation.
 const EQUAL: f64 = 1e-9;
 const EQUAL_ORDERS: f64 = 1e-10;
+/// Between ways to one model: its solver stops at 1e-10 of the objective, which is flat there.
+const EQUAL_MODEL: f64 = 1e-6;
 
 /// A folder of recordings.
 struct Recordings(Folder);
@@ -209,7 +211,31 @@ fn recordings_whose_samples_are_kept_are_identified() {
     let with_rows = first.merge(folder.reduce(&recordings[1], SIGNAL).unwrap()).unwrap();
     assert!(with_rows.recordings.iter().all(|r| r.samples_kept.is_none()));
     let results = with_rows.solve().unwrap().results;
-    assert!(results.model.is_none() && results.no_model.is_some());
+    assert!(results.model.is_some() && results.not_examined.iter().any(|n| n.code == ReasonCode::Cause));
+}
+
+/// Of four recordings one is left out whole: reduced one by one, and merged in any order, they have the model of their identification.
+#[test]
+fn the_model_of_four_recordings_does_not_depend_on_how_they_are_reduced() {
+    let (folder, recordings) = three();
+    folder.write("d.csv", 7000, 0.4);
+    let all: Vec<String> = recordings.into_iter().chain([recording("d.csv", "")]).collect();
+    let identified = folder.experiment(&all.concat(), SIGNAL).run(folder.0.path(), &mut |_| {}).unwrap();
+    let own: Vec<Reduction> = all.iter().map(|r| folder.reduce(r, SIGNAL).unwrap()).collect();
+    let together = folder.reduce(&all.concat(), SIGNAL).unwrap();
+    let merged = Reduction::merge_all(own.clone()).unwrap();
+    let other = Reduction::merge_all(own.into_iter().rev()).unwrap();
+    let expected = identified.model.unwrap();
+    for reduction in [together, merged, other] {
+        let found = reduction.solve().unwrap().results.model.unwrap();
+        assert_eq!(found.friction_transition, expected.friction_transition);
+        assert_eq!(found.belief_weight, expected.belief_weight);
+        for (f, e) in found.parameters.iter().zip(&expected.parameters) {
+            assert!((f.value - e.value).abs() < EQUAL_MODEL * e.value.abs(), "{}: {} {}", e.name, f.value, e.value);
+        }
+        let [f, e] = [&found, &expected].map(|model| model.unseen.as_ref().unwrap().percent);
+        assert!((f / e - 1.0).abs() < EQUAL_MODEL, "{f} {e}");
+    }
 }
 
 #[test]
@@ -239,8 +265,8 @@ fn file_is_read_or_refused(rows_only: bool, step: usize) {
         let error = refused(&damaged);
         assert!(matches!(error, ReductionError::Damaged { .. } | ReductionError::Version { .. }), "{place}: {error}");
     }
-    let next = [b"thetahat reduction 5\n", &bytes[21..]].concat();
-    assert!(matches!(refused(&next), ReductionError::Version { form: 4, .. }));
+    let next = [b"thetahat reduction 6\n", &bytes[21..]].concat();
+    assert!(matches!(refused(&next), ReductionError::Version { form: 5, .. }));
     assert!(matches!(refused(b"a,b\n1,2\n"), ReductionError::Damaged { .. }));
     assert!(matches!(Reduction::read(&folder.0.at("none")), Err(ReductionError::Unreadable { .. })));
     assert!(matches!(reduction.write(folder.0.path()), Err(ReductionError::Unwritable { .. })));
@@ -251,8 +277,8 @@ fn file_is_read_or_refused(rows_only: bool, step: usize) {
 fn a_file_of_form_1_is_refused() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/forms/form_1.reduction");
     let error = Reduction::read(&path).unwrap_err();
-    assert!(matches!(&error, ReductionError::Version { found, form: 4, .. } if found == "1"), "{error}");
-    let words = ["a reduction of form 1", "reads form 4 alone", "reduce the recordings again"];
+    assert!(matches!(&error, ReductionError::Version { found, form: 5, .. } if found == "1"), "{error}");
+    let words = ["a reduction of form 1", "reads form 5 alone", "reduce the recordings again"];
     words.iter().for_each(|word| assert!(error.to_string().contains(word), "no {word:?} in: {error}"));
 }
 
@@ -314,20 +340,19 @@ fn findings_travel_through_the_file_to_the_verdict() {
     reduction.write(&folder.0.at("negated.reduction")).unwrap();
     let read = Reduction::read(&folder.0.at("negated.reduction")).unwrap();
     let solved = read.solve().unwrap().results;
-    // The reasons of the recordings are the same; the others are of the model there, and of the estimates here.
+    // The reasons of the recordings are the same; causes of the model's error are named there alone.
     let of_checks = |r: &Results| r.verdict_reasons.iter().any(|r| r.code == ReasonCode::CheckProblem);
     assert_eq!((solved.verdict, of_checks(&solved)), (identified.verdict, of_checks(&identified)));
-    assert!(solved.model.is_none() && solved.no_model.is_some(), "{:?}", solved.no_model);
     // A step of a remedy changes an experiment file, which a reduction has not.
     let without_step = |finding: &Finding| Finding { step: None, ..finding.clone() };
     let findings = |r: &Results| r.findings.iter().flat_map(|r| &r.findings).map(without_step).collect::<Vec<_>>();
-    assert_eq!((findings(&solved), solved.not_examined.len()), (findings(&identified), 0));
+    let missing = |r: &Results| r.not_examined.iter().map(|n| n.code).collect::<Vec<ReasonCode>>();
+    assert_eq!((findings(&solved), missing(&solved)), (findings(&identified), vec![ReasonCode::Cause]));
     let merged = reduction.merge(folder.reduce(&recordings[1], SIGNAL).unwrap()).unwrap().solve().unwrap().results;
     assert_eq!(merged.verdict, Some(Verdict::DoNotUse));
-    let missing: Vec<ReasonCode> = merged.not_examined.iter().map(|n| n.code).collect();
-    assert_eq!(missing, [ReasonCode::RecordingsDisagree]);
+    assert_eq!(missing(&merged), [ReasonCode::RecordingsDisagree, ReasonCode::Cause]);
     let together = folder.reduce(&(negated + &recordings[1]), SIGNAL).unwrap().solve().unwrap().results;
-    assert!(together.not_examined.is_empty() && together.verdict == Some(Verdict::DoNotUse));
+    assert_eq!((missing(&together), together.verdict), (vec![ReasonCode::Cause], Some(Verdict::DoNotUse)));
 }
 
 /// Torques that hold are centred in pieces as in the whole record; the same samples are known again, held or not.

@@ -1,7 +1,7 @@
 //! What is believed of motors, friction and offsets before the recordings are fitted: their usual sizes.
 
-use super::{deviations::rms, rows::ModelRows};
-use crate::{preparation::Problem, run::identification::Identification};
+use super::law_factors::{LawFactors, Stacked};
+use crate::preparation::{Problem, Setup};
 use thetahat_ground::linear_algebra::{Matrix, norm};
 use thetahat_model::{
     consistency::{Beliefs, ConsistentSet, stated_links},
@@ -29,29 +29,34 @@ const RIDGE: f64 = 1e-6;
 /// The beliefs of a robot: sizes of friction and offsets are those that fit the torques with its a-priori bodies, sizes of
 /// motor inertias follow from the mass matrix where none is given, unless the torques show a larger one.
 pub(super) fn beliefs(
-    identification: &Identification,
+    setup: Setup<'_>,
     problem: &Problem,
-    rows: &ModelRows,
+    (rows, mean_position): (&LawFactors, &[f64]),
     set: &ConsistentSet,
 ) -> Beliefs {
     let part = |is_stated: bool| if is_stated { 1.0 } else { GUESSED };
     Beliefs {
-        sizes: sizes(identification, problem, rows, set),
-        link_parts: stated_links(identification.setup().robot).into_iter().map(part).collect(),
+        sizes: sizes(setup, problem, (&rows.stacked(), mean_position), set),
+        link_parts: stated_links(setup.robot).into_iter().map(part).collect(),
     }
 }
 
-fn sizes(identification: &Identification, problem: &Problem, rows: &ModelRows, set: &ConsistentSet) -> Vec<f64> {
+fn sizes(
+    setup: Setup<'_>,
+    problem: &Problem,
+    (rows, mean_position): (&Stacked, &[f64]),
+    set: &ConsistentSet,
+) -> Vec<f64> {
     let table = set.parameter_table();
     let FittedDrives { values: fitted_values, .. } = fitted(problem, rows, set, false);
     let shown = fitted(problem, rows, set, true);
     let usual = usual(problem, rows);
-    let motors = motor_inertias(identification, set);
+    let motors = motor_inertias(setup, mean_position, set);
     let largest = |i: usize| {
         let same = |k: &usize| table.get(*k).quantity == table.get(i).quantity;
         (0..table.len()).filter(same).map(|k| fitted_values[k].abs()).fold(0.0, f64::max)
     };
-    let excluded = &identification.setup().settings.parameters.exclude;
+    let excluded = &setup.settings.parameters.exclude;
     let size = |i: usize| {
         let parameter = table.get(i);
         if excluded.contains(&parameter.name()) {
@@ -82,7 +87,7 @@ struct FittedDrives {
 }
 
 /// Friction, offsets and, if `motors`, motor inertias.
-fn fitted(problem: &Problem, rows: &ModelRows, set: &ConsistentSet, motors: bool) -> FittedDrives {
+fn fitted(problem: &Problem, rows: &Stacked, set: &ConsistentSet, motors: bool) -> FittedDrives {
     let table = set.parameter_table();
     let columns = problem.base.columns();
     let of_drive = |c: &usize| {
@@ -106,25 +111,23 @@ fn fitted(problem: &Problem, rows: &ModelRows, set: &ConsistentSet, motors: bool
     let solved = factor.solve(&x.transpose_times(&rest));
     let residual: Vec<f64> = rest.iter().zip(x.times(&solved)).map(|(y, p)| y - p).collect();
     for (c, value) in solved.into_iter().enumerate() {
-        let concerned: Vec<f64> =
-            x.column(c).iter().zip(&residual).filter(|(x, _)| **x != 0.0).map(|(_, e)| *e).collect();
+        let joints = rows.joints_of(x.column(c));
         let mut unit = vec![0.0; drives.len()];
         unit[c] = 1.0;
         let place = columns[drives[c]];
         out.values[place] = value;
-        out.deviations[place] = rms(&concerned) * factor.solve(&unit)[c].sqrt();
+        out.deviations[place] = joints.rms(&residual) * factor.solve(&unit)[c].sqrt();
     }
     out
 }
 
 /// The value with which each parameter makes a usual part of its joint's torque.
-fn usual(problem: &Problem, rows: &ModelRows) -> Vec<f64> {
+fn usual(problem: &Problem, rows: &Stacked) -> Vec<f64> {
     let columns = problem.base.columns();
     let mut out = vec![1.0; problem.model.parameter_table().len()];
     for (c, &i) in columns.iter().enumerate() {
         let column = rows.x.column(c);
-        let concerned = |(k, y): (usize, &f64)| if column[k] == 0.0 { 0.0 } else { y * y };
-        let torque = rows.y.iter().enumerate().map(concerned).sum::<f64>().sqrt();
+        let torque = rows.joints_of(column).norm(&rows.y);
         let size = norm(column);
         if size > 0.0 && torque > 0.0 {
             out[i] = USUAL_PART * torque / size;
@@ -133,12 +136,38 @@ fn usual(problem: &Problem, rows: &ModelRows) -> Vec<f64> {
     out
 }
 
+/// The joints on which a column acts.
+struct JointsOfColumn<'a> {
+    rows: &'a Stacked,
+    joints: Vec<bool>,
+}
+
+impl Stacked {
+    fn joints_of(&self, column: &[f64]) -> JointsOfColumn<'_> {
+        let mut joints = vec![false; self.rows.len()];
+        column.iter().zip(&self.joint_of_row).filter(|(x, _)| **x != 0.0).for_each(|(_, joint)| joints[*joint] = true);
+        JointsOfColumn { rows: self, joints }
+    }
+}
+
+impl JointsOfColumn<'_> {
+    /// Of the values of all rows those of the joints.
+    fn norm(&self, values: &[f64]) -> f64 {
+        let own = values.iter().zip(&self.rows.joint_of_row).filter(|(_, joint)| self.joints[**joint]);
+        norm(&own.map(|(value, _)| *value).collect::<Vec<_>>())
+    }
+
+    fn rms(&self, values: &[f64]) -> f64 {
+        let count: f64 = self.rows.rows.iter().zip(&self.joints).filter(|(_, own)| **own).map(|(rows, _)| rows).sum();
+        self.norm(values) / count.max(1.0).sqrt()
+    }
+}
+
 /// Half of each joint's inertia at the mean position, of the a-priori bodies; by joints in the numbering of parameters.
-fn motor_inertias(identification: &Identification, set: &ConsistentSet) -> Vec<f64> {
-    let robot = identification.setup().robot;
+fn motor_inertias(setup: Setup<'_>, mean_position: &[f64], set: &ConsistentSet) -> Vec<f64> {
+    let robot = setup.robot;
     let mut sizes = vec![1.0; robot.link_count()];
-    let q = identification.main.first().map(|p| p.filtered.motion.q.means()).unwrap_or_default();
-    let Ok(inertias) = Model::new(robot).joint_inertias(set.a_priori(), &q) else { return sizes };
+    let Ok(inertias) = Model::new(robot).joint_inertias(set.a_priori(), mean_position) else { return sizes };
     for (joint, inertia) in robot.coordinate_joints().iter().zip(inertias).filter(|(_, inertia)| *inertia > 0.0) {
         sizes[*joint] = MOTOR_PART * inertia;
     }

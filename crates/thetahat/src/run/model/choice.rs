@@ -3,18 +3,20 @@
 use std::collections::HashMap;
 
 use super::{
-    deviations::{long_run_deviation, mean, mean_and_error, rms, weighted},
+    deviations::{mean, mean_and_error, weighted},
+    errors::SquaredErrors,
     folds::ModelFolds,
     law::Law,
+    rows::ModelRows,
     whitened::Whitened,
 };
 use thetahat_estimation::statistics::repeated_widening;
-use thetahat_ground::{linear_algebra::dot, pool::in_parallel};
+use thetahat_ground::pool::in_parallel;
 use thetahat_model::{
     consistency::{LeastSquares, Prior, fit_within},
     robot::JointKind,
 };
-use thetahat_report::results::{ModelCandidate, kinds_of};
+use thetahat_report::results::{ModelCandidate, ModelError, kinds_of};
 
 /// Standard errors of the mean difference by which a challenger must be better.
 const STANDARD_ERRORS: f64 = 2.0;
@@ -42,7 +44,7 @@ const NEXT_TO_FREE: f64 = 1e-3;
 pub(super) struct Choosing<'a> {
     pub(super) laws: &'a [Law<'a>],
     pub(super) weights: &'a [f64],
-    pub(super) folds: &'a ModelFolds,
+    pub(super) folds: ModelFolds,
     /// Whether each joint turns or slides.
     pub(super) kinds: &'a [JointKind],
 }
@@ -57,7 +59,8 @@ pub(super) struct Choice {
     /// The rows of unit variance.
     pub(super) data: LeastSquares,
     pub(super) candidates: Vec<ModelCandidate>,
-    pub(super) unseen: Option<Unseen>,
+    /// The error of rows that neither fit nor choice has seen.
+    pub(super) unseen: Option<ModelError>,
     pub(super) found: SearchedLaws,
 }
 
@@ -68,12 +71,6 @@ pub(super) struct SearchedLaws {
     deviations: Vec<Vec<f64>>,
     /// Base parameters; none if a fit has no result.
     fitted: HashMap<Fitted, Option<Vec<f64>>>,
-}
-
-/// The prediction of rows that neither fit nor choice has seen.
-pub(super) struct Unseen {
-    pub(super) prediction: Vec<f64>,
-    pub(super) seen: Vec<bool>,
 }
 
 /// A candidate: indices of its law and weight.
@@ -96,11 +93,10 @@ impl Choosing<'_> {
         let first = deviations.len();
         let of_others = in_parallel(self.laws.len() - first, threads, |k| self.deviations(&self.laws[first + k]));
         deviations.extend(of_others.into_iter().collect::<Option<Vec<_>>>()?);
-        let of_law = |(law, own): (&Law, &Vec<f64>)| {
-            Whitened::new(law.rows, self.folds, &deviations[DEFAULT.law], &weighted(own, self.kinds, POWER))
-        };
+        let of_law = |(law, own): (&Law, &Vec<f64>)| Whitened::new(law.factors, &weighted(own, self.kinds, POWER));
         let whitened: Vec<Whitened> = self.laws.iter().zip(&deviations).map(of_law).collect();
-        let mut search = Search { choosing: self, whitened: &whitened, threads, fitted };
+        let compared = &deviations[DEFAULT.law];
+        let mut search = Search { choosing: self, whitened: &whitened, compared, threads, fitted };
         let (chosen, candidates) = search.chosen(None);
         let unseen = search.unseen();
         let found = SearchedLaws { fitted: search.fitted, deviations: deviations.clone() };
@@ -125,34 +121,43 @@ impl Choosing<'_> {
 
     /// The rows of a law, each joint divided by its deviation.
     fn of_unit_variance(&self, law: &Law, deviations: &[f64]) -> Option<LeastSquares> {
-        Whitened::new(law.rows, self.folds, deviations, deviations).all(law)
+        Whitened::new(law.factors, deviations).all(law)
     }
 
-    /// The long-run deviation of each joint's residual, next to free estimates; along a motion that repeats, with errors that do.
+    /// The long-run deviation of each joint's residual, next to free estimates; along a motion that repeats, with errors that do, where
+    /// the rows are in the order of time.
     fn deviations(&self, law: &Law) -> Option<Vec<f64>> {
-        let rows = law.rows;
-        let torque: Vec<f64> = rows.layout.by_joint(&rows.y).iter().map(|y| rms(y)).collect();
+        let rows = law.factors;
+        let torque = rows.rms(&vec![0.0; rows.parameters]);
         let largest = torque.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let least: Vec<f64> = torque.iter().map(|t| LEAST_DEVIATION * t.max(LEAST_DEVIATION * largest)).collect();
-        let mut deviations: Vec<f64> =
-            torque.iter().zip(&least).map(|(t, least)| (FIRST_DEVIATION * t).max(*least)).collect();
+        let at_least =
+            |found: Vec<f64>| -> Vec<f64> { found.iter().zip(&least).map(|(own, least)| own.max(*least)).collect() };
+        let mut deviations = at_least(torque.iter().map(|t| FIRST_DEVIATION * t).collect());
         let mut start: Option<Vec<f64>> = None;
         for round in 0..ROUNDS {
-            let whitened = Whitened::new(rows, self.folds, &deviations, &deviations);
-            let data = whitened.all(law)?;
+            let data = Whitened::new(rows, &deviations).all(law)?;
             let prior = Prior::Belief { weight: NEXT_TO_FREE };
             let fit = fit_within(law.set, &data, prior, start.as_deref(), GAPS[0]).ok()?;
-            let prediction = rows.x.times(&law.base.from_standard(&fit.standard));
-            let residual: Vec<f64> = rows.y.iter().zip(prediction).map(|(y, p)| y - p).collect();
+            let theta = law.base.from_standard(&fit.standard);
             let last = round + 1 == ROUNDS;
-            let repeated = if last { repeated_widening(&rows.layout, &residual) } else { vec![1.0; least.len()] };
-            let of_joint = |e: &Vec<f64>| if last { long_run_deviation(e) } else { rms(e) };
-            let found = rows.layout.by_joint(&residual).into_iter().zip(repeated);
-            deviations = found.zip(&least).map(|((e, r), least)| (of_joint(&e) * r.sqrt()).max(*least)).collect();
+            deviations = at_least(if last { long_run_deviations(law, &theta) } else { rows.rms(&theta) });
             start = Some(fit.standard);
         }
         Some(deviations)
     }
+}
+
+/// Those of the errors of base parameters.
+fn long_run_deviations(law: &Law, theta: &[f64]) -> Vec<f64> {
+    let found = law.factors.long_run_deviations(law.columns, theta);
+    let repeated = law.rows.map_or_else(|| vec![1.0; found.len()], |rows| repeated(rows, theta));
+    found.into_iter().zip(repeated).map(|(deviation, widening)| deviation * widening.sqrt()).collect()
+}
+
+fn repeated(rows: &ModelRows, theta: &[f64]) -> Vec<f64> {
+    let residual: Vec<f64> = rows.y.iter().zip(rows.x.times(theta)).map(|(y, p)| y - p).collect();
+    repeated_widening(&rows.layout, &residual)
 }
 
 /// A candidate fitted without some parts.
@@ -162,6 +167,8 @@ type Fitted = (Candidate, Vec<usize>);
 struct Search<'a> {
     choosing: &'a Choosing<'a>,
     whitened: &'a [Whitened],
+    /// The deviation of each joint in which errors are compared.
+    compared: &'a [f64],
     threads: usize,
     /// Base parameters; none if a fit has no result.
     fitted: HashMap<Fitted, Option<Vec<f64>>>,
@@ -170,7 +177,7 @@ struct Search<'a> {
 impl Search<'_> {
     /// The parts that are left out in turn when one is kept from the choice.
     fn parts(&self, kept_out: Option<usize>) -> Vec<usize> {
-        (0..self.choosing.folds.count).filter(|part| Some(*part) != kept_out).collect()
+        (0..self.choosing.folds.count()).filter(|part| Some(*part) != kept_out).collect()
     }
 
     /// The candidate that is chosen without a part, with all that were compared.
@@ -261,35 +268,33 @@ impl Search<'_> {
 
     /// The mean square of the errors in each part.
     fn squares(&self, candidate: Candidate, parts: &[usize], kept_out: Option<usize>) -> Option<Vec<f64>> {
-        let rows = &self.whitened[candidate.law];
+        let blocks = &self.choosing.laws[candidate.law].factors.blocks;
         let of_part = |part: &usize| {
             let theta = self.estimate(candidate, left_out(*part, kept_out))?;
-            let prediction = rows.x.times(theta);
-            let errors: Vec<f64> = rows.rows_of(*part).map(|k| rows.part[k] * (rows.y[k] - prediction[k])).collect();
-            Some(dot(&errors, &errors) / errors.len().max(1) as f64)
+            let own = blocks.iter().filter(|block| block.part == *part);
+            let rows: usize = own.clone().map(|block| block.rows).sum();
+            let compared =
+                own.map(|block| block.square(theta) * (block.weight / self.compared[block.joint]).powi(2)).sum::<f64>();
+            Some(compared / rows.max(1) as f64)
         };
         let squares: Option<Vec<f64>> = parts.iter().map(of_part).collect();
         squares.filter(|s| !s.is_empty() && s.iter().all(|v| v.is_finite()))
     }
 
-    /// Each part predicted by the candidate that is chosen, and fitted, without it.
-    fn unseen(&mut self) -> Option<Unseen> {
+    /// The error in each part of the candidate that is chosen, and fitted, without it.
+    fn unseen(&mut self) -> Option<ModelError> {
         let parts = self.parts(None);
         if parts.is_empty() {
             return None;
         }
-        let count = self.whitened[0].y.len();
-        let mut unseen = Unseen { prediction: vec![0.0; count], seen: vec![false; count] };
+        let mut unseen = SquaredErrors::of_nothing(self.choosing.kinds.len());
         for part in parts {
             let (chosen, _) = self.chosen(Some(part));
             self.fit_all(vec![(chosen, vec![part])]);
             let theta = self.estimate(chosen, vec![part])?;
-            let prediction = self.choosing.laws[chosen.law].rows.x.times(theta);
-            for k in self.whitened[chosen.law].rows_of(part) {
-                (unseen.prediction[k], unseen.seen[k]) = (prediction[k], true);
-            }
+            unseen.add(self.choosing.laws[chosen.law].factors, Some(part), theta);
         }
-        Some(unseen)
+        Some(unseen.error())
     }
 }
 

@@ -1,64 +1,88 @@
 //! The errors of predicted torques: all samples, moving, and near rest.
 
-use super::rows::ModelRows;
+use super::{
+    factors::{SETTLED, near_rest_limits},
+    law_factors::LawFactors,
+    rows::ModelRows,
+};
 use crate::run::prepared::PreparedRecording;
 use thetahat_report::results::{ModelError, ModelJointError};
 
-/// Velocity below which a joint is near rest where no rule says so, rad/s or m/s.
-const NEAR_REST: f64 = 0.04;
-
-/// Velocities over the transition of the friction at which its sign is settled: `tanh(4) = 0.9993`.
-const SETTLED: f64 = 4.0;
-
-/// What each row's joint does.
-pub(super) struct Speeds {
-    near_rest: Vec<bool>,
-    /// Whether the sign of its friction is not settled there, or in the row before or after.
-    pub(super) turning: Vec<bool>,
+/// Whether the sign of each row's friction is not settled there, or in the row before or after.
+pub(super) fn turning(prepared: &[PreparedRecording], rows: &ModelRows, transition: f64) -> Vec<bool> {
+    let mut turning = Vec::new();
+    for j in 0..rows.layout.joints() {
+        for (p, decimator) in prepared.iter().zip(&rows.decimators) {
+            let limits = near_rest_limits(p.filtered.near_rest.as_ref(), rows.layout.joints());
+            let limit = limits[j].max(SETTLED * transition);
+            let is_slow: Vec<bool> =
+                decimator.kept().map(|k| p.filtered.motion.dq.sample(k)[j].abs() < limit).collect();
+            let neighbours = |k: usize| k.saturating_sub(1)..(k + 2).min(is_slow.len());
+            turning.extend((0..is_slow.len()).map(|k| is_slow[neighbours(k)].contains(&true)));
+        }
+    }
+    turning
 }
 
-impl Speeds {
-    pub(super) fn new(prepared: &[PreparedRecording], rows: &ModelRows, transition: f64) -> Self {
-        let (mut near_rest, mut turning) = (Vec::new(), Vec::new());
-        for j in 0..rows.layout.joints() {
-            for (p, decimator) in prepared.iter().zip(&rows.decimators) {
-                let limit = p.filtered.near_rest.as_ref().map_or(NEAR_REST, |rule| rule.velocity[j]);
-                let speeds: Vec<f64> = decimator.kept().map(|k| p.filtered.motion.dq.sample(k)[j].abs()).collect();
-                let is_slow = |k: usize| speeds[k] < limit.max(SETTLED * transition);
-                near_rest.extend(speeds.iter().map(|speed| *speed < limit));
-                let neighbours = |k: usize| k.saturating_sub(1)..(k + 2).min(speeds.len());
-                turning.extend((0..speeds.len()).map(|k| neighbours(k).any(is_slow)));
-            }
-        }
-        Self { near_rest, turning }
+/// Sums of squares of some rows.
+#[derive(Debug, Clone, Copy, Default)]
+struct Squares {
+    error: f64,
+    torque: f64,
+    rows: usize,
+}
+
+impl Squares {
+    fn and(self, other: Self) -> Self {
+        Self { error: self.error + other.error, torque: self.torque + other.torque, rows: self.rows + other.rows }
+    }
+
+    /// `100 |y - prediction| / |y|`; none if y is zero.
+    fn percent(self) -> Option<f64> {
+        (self.torque > 0.0).then(|| 100.0 * (self.error / self.torque).sqrt())
     }
 }
 
-/// The errors of a prediction in the rows that count, all of them if none are named.
-pub(super) fn errors(rows: &ModelRows, prediction: &[f64], counts: Option<&[bool]>, speeds: &Speeds) -> ModelError {
-    let all = |rows_of: &mut dyn Iterator<Item = usize>| {
-        let counted = rows_of.filter(|&k| counts.is_none_or(|counts| counts[k]));
-        counted.collect::<Vec<usize>>()
-    };
-    let joints = (0..rows.layout.joints()).map(|j| {
-        let of_joint = all(&mut rows.layout.rows_of_joint(j));
-        let (resting, moving): (Vec<usize>, Vec<usize>) = of_joint.iter().partition(|&&k| speeds.near_rest[k]);
-        let square = |rows_of: &[usize]| rows_of.iter().map(|&k| (rows.y[k] - prediction[k]).powi(2)).sum::<f64>();
-        ModelJointError {
-            percent: percent(rows, prediction, &of_joint),
-            moving_percent: percent(rows, prediction, &moving),
-            near_rest_percent: percent(rows, prediction, &resting),
-            near_rest_share_percent: 100.0 * resting.len() as f64 / of_joint.len().max(1) as f64,
-            rms: (square(&of_joint) / of_joint.len().max(1) as f64).sqrt(),
-        }
-    });
-    let every = all(&mut (0..rows.y.len()));
-    ModelError { percent: percent(rows, prediction, &every).unwrap_or(0.0), joints: joints.collect() }
+/// The squares of the errors of predicted torques, joint by joint.
+pub(super) struct SquaredErrors {
+    moving: Vec<Squares>,
+    near_rest: Vec<Squares>,
 }
 
-/// `100 |y - prediction| / |y|`; none if y is zero.
-fn percent(rows: &ModelRows, prediction: &[f64], of: &[usize]) -> Option<f64> {
-    let error: f64 = of.iter().map(|&k| (rows.y[k] - prediction[k]).powi(2)).sum();
-    let size: f64 = of.iter().map(|&k| rows.y[k].powi(2)).sum();
-    (size > 0.0).then(|| 100.0 * (error / size).sqrt())
+impl SquaredErrors {
+    /// Of no row.
+    pub(super) fn of_nothing(joints: usize) -> Self {
+        Self { moving: vec![Squares::default(); joints], near_rest: vec![Squares::default(); joints] }
+    }
+
+    /// Those of all rows.
+    pub(super) fn of(rows: &LawFactors, theta: &[f64]) -> Self {
+        let mut errors = Self::of_nothing(rows.joints());
+        errors.add(rows, None, theta);
+        errors
+    }
+
+    /// Adds the rows of one part, or all.
+    pub(super) fn add(&mut self, rows: &LawFactors, part: Option<usize>, theta: &[f64]) {
+        for block in rows.blocks.iter().filter(|block| part.is_none_or(|part| block.part == part)) {
+            let found = Squares { error: block.square(theta), torque: block.torque_square(), rows: block.rows };
+            let of = if block.is_near_rest { &mut self.near_rest } else { &mut self.moving };
+            of[block.joint] = of[block.joint].and(found);
+        }
+    }
+
+    pub(super) fn error(&self) -> ModelError {
+        let joints = self.moving.iter().zip(&self.near_rest).map(|(moving, near_rest)| {
+            let all = moving.and(*near_rest);
+            ModelJointError {
+                percent: all.percent(),
+                moving_percent: moving.percent(),
+                near_rest_percent: near_rest.percent(),
+                near_rest_share_percent: 100.0 * near_rest.rows as f64 / all.rows.max(1) as f64,
+                rms: (all.error / all.rows.max(1) as f64).sqrt(),
+            }
+        });
+        let all = self.moving.iter().chain(&self.near_rest).fold(Squares::default(), |all, of| all.and(*of));
+        ModelError { percent: all.percent().unwrap_or(0.0), joints: joints.collect() }
+    }
 }

@@ -2,7 +2,9 @@
 
 use super::rows::ModelRows;
 use thetahat_estimation::{
-    identification::{Divisor, Method, SeparatedColumns, Status, idim_ls, uncertainty},
+    identification::{
+        Divisor, Fit, Method, SeparatedColumns, Status, Uncertainty, idim_ls, uncertainty, uncertainty_of_stretches,
+    },
     regression::Regression,
 };
 use thetahat_ground::linear_algebra::Matrix;
@@ -25,6 +27,14 @@ impl<'a> Intervals<'a> {
         Self { of_rows: of_rows(rows, deviations, delay).unwrap_or_default(), run: free_run(runs) }
     }
 
+    /// The same from triangular factors of these rows, by the scores of the stretches of time.
+    pub(super) fn of_stretches(settled: &Regression, runs: &'a [RunResult]) -> Self {
+        let of_rows = intervals_of(settled.clone(), |regression, fit| {
+            uncertainty_of_stretches(regression, None, &fit.theta).ok()
+        });
+        Self { of_rows: of_rows.unwrap_or_default(), run: free_run(runs) }
+    }
+
     /// The interval of a base parameter: that of the rows together with that of the weighted run. These treat friction near
     /// rest and delays otherwise, and nothing says which is right.
     pub(super) fn of(&self, index: usize, name: &str) -> Option<[f64; 2]> {
@@ -40,12 +50,20 @@ fn of_rows(rows: &ModelRows, deviations: &[f64], delay: Option<Vec<f64>>) -> Opt
     let weights = whitening.iter().zip(&rows.weights).map(|(a, b)| a * b).collect();
     let delay = Matrix::from_columns(rows.y.len(), delay.unwrap_or_default());
     let x = Matrix::side_by_side(&[&rows.x, &delay.scale_rows(&rows.kept())]);
-    let separated = SeparatedColumns::of(&x);
     let regression = Regression::new(x, rows.y.clone(), rows.layout.clone()).with_weights(Some(weights));
-    let regression = regression.with_columns(&separated.kept);
+    intervals_of(regression, |regression, fit| uncertainty(Method::IDIM_LS, regression, None, fit).ok())
+}
+
+/// The interval of each column that is separated from the others, by the uncertainty of a least squares fit of these.
+fn intervals_of(
+    all: Regression,
+    uncertainty: impl Fn(&Regression, &Fit) -> Option<Uncertainty>,
+) -> Option<Vec<Option<[f64; 2]>>> {
+    let separated = SeparatedColumns::of(&all.x);
+    let regression = all.with_columns(&separated.kept);
     let fit = idim_ls(&regression, Divisor::default()).ok()?;
-    let found = uncertainty(Method::IDIM_LS, &regression, None, &fit).ok()?.interval_95;
-    let mut intervals = vec![None; rows.x.columns() + delay.columns()];
+    let found = uncertainty(&regression, &fit)?.interval_95;
+    let mut intervals = vec![None; all.parameters()];
     separated.kept.iter().zip(found).for_each(|(&column, interval)| intervals[column] = Some(interval));
     separated.including().for_each(|column| intervals[column] = None);
     Some(intervals)

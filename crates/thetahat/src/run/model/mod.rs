@@ -6,39 +6,47 @@
 //! than chance, and so do torque terms of friction that the residual shows.
 
 mod beliefs;
+mod candidates;
 mod causes;
 mod choice;
+mod columns;
 mod deviations;
 mod errors;
+mod factors;
 mod folds;
 mod friction_terms;
 mod intervals;
 mod law;
+mod law_factors;
+mod of_rows;
+mod parts;
+mod reduced;
 mod result;
 mod rows;
 mod variant;
 mod whitened;
 
+pub(crate) use candidates::transitions;
+pub(crate) use columns::{ModelColumns, changing};
+pub(crate) use factors::{InPlaceOfRows, ModelCollector, Slow, near_rest_limits, span};
+pub use factors::{ModelCell, ModelFactors, RepeatedRows, SettledRows};
+pub(crate) use folds::FEWEST_RECORDINGS;
+pub(crate) use law_factors::ModelData;
+pub use parts::Parts;
+pub(crate) use parts::{FOLDS, RowParts, STRETCHES, memory, places};
+pub(in crate::run) use reduced::model_of_factors;
+
 use super::identification::Identification;
 use crate::preparation::{PreparationError, Problem};
+use candidates::{kinds, weights};
 use causes::FrictionEvidence;
 use choice::{Choice, Choosing, SearchedLaws};
-use folds::ModelFolds;
 use friction_terms::friction_terms;
 use law::Law;
 use result::ChosenLaw;
 use thetahat_ground::clock::Stopwatch;
-use thetahat_model::robot::JointKind;
 use thetahat_report::results::{CauseKind, ModelCause, ModelResult, RunResult};
 use variant::{Variant, WithTerms};
-
-/// Velocities v of `tanh(dq / v)`, the sign of the Coulomb friction, rad/s; the first is the default.
-const TRANSITIONS: [f64; 5] = [0.03, 0.001, 0.003, 0.01, 0.1];
-/// Radians of a motor for each metre of a robot whose joints all slide: a pinion of 0.1 m.
-const SLIDING: f64 = 10.0;
-
-/// Weights of the belief, in long-run variances of the residual; the first is the default.
-const WEIGHTS: [f64; 7] = [1.0, 1e-3, 1e-2, 0.1, 10.0, 100.0, 1000.0];
 
 /// The model, or why there is none.
 type ModelOrReason = Result<ModelResult, String>;
@@ -53,7 +61,7 @@ impl Identification {
         if self.main.iter().any(|p| p.filtered.recording.torque.is_none()) {
             return Ok(Err("the model is fitted to torques, and none are recorded".to_owned()));
         }
-        let described = match Variant::new(self, problem, &[], &self.transitions())? {
+        let described = match Variant::new(self, problem, &[], &transitions(self.setup()))? {
             Ok(described) => described,
             Err(why) => return Ok(Err(why)),
         };
@@ -84,18 +92,9 @@ impl Identification {
     /// The law and the weight that predict best what is left out.
     fn choose(&self, variants: &[Variant], found: SearchedLaws) -> Option<Choice> {
         let laws: Vec<Law> = variants.iter().flat_map(Variant::laws).collect();
-        let weights = self.setup().settings.model.belief_weight.map_or_else(|| WEIGHTS.to_vec(), |stated| vec![stated]);
-        let folds = ModelFolds::new(self, laws[0].rows);
-        let kinds: Vec<JointKind> = self.setup().robot.coordinates().map(|joint| joint.kind).collect();
-        Choosing { laws: &laws, weights: &weights, folds: &folds, kinds: &kinds }.choose(self.threads, found)
-    }
-
-    fn transitions(&self) -> Vec<f64> {
-        if let Some(stated) = self.setup().settings.model.friction_transition {
-            return vec![stated];
-        }
-        let slides = self.setup().robot.coordinates().all(|joint| joint.kind == JointKind::Prismatic);
-        TRANSITIONS.map(|v| if slides { v / SLIDING } else { v }).to_vec()
+        let (weights, kinds) = (weights(self.setup()), kinds(self.setup()));
+        let choosing = Choosing { laws: &laws, weights: &weights, folds: variants[0].folds(), kinds: &kinds };
+        choosing.choose(self.threads, found)
     }
 }
 
@@ -126,7 +125,14 @@ fn add_causes_in_model(model: &mut ModelResult, described: Vec<ModelCause>) {
 
 /// The law of a number, counted over all variants.
 fn law_of<'v, 'a>(variants: &'v [Variant<'a>], law: usize) -> ChosenLaw<'v, 'a> {
-    let mut laws = variants.iter().flat_map(|variant| variant.rows.iter().map(move |rows| (variant, rows)));
-    let (variant, (transition, rows)) = laws.nth(law).unwrap_or((&variants[0], &variants[0].rows[0]));
-    ChosenLaw { variant, transition: *transition, rows }
+    let of_variant = |variant: &'v Variant<'a>| {
+        let laws = variant.rows.iter().zip(&variant.factors);
+        laws.map(move |((transition, rows), factors)| ChosenLaw { variant, transition: *transition, rows, factors })
+    };
+    let mut laws = variants.iter().flat_map(of_variant);
+    laws.nth(law).unwrap_or_else(|| {
+        let variant = &variants[0];
+        let (transition, rows) = &variant.rows[0];
+        ChosenLaw { variant, transition: *transition, rows, factors: &variant.factors[0] }
+    })
 }

@@ -3,18 +3,20 @@
 use super::{
     causes::{FoundCauses, FrictionEvidence, causes},
     choice::Choice,
-    errors::{Speeds, errors},
+    errors::{SquaredErrors, turning},
     intervals::{Intervals, widened},
+    law_factors::LawFactors,
+    of_rows::data_of_rows,
     rows::ModelRows,
     variant::Variant,
 };
-use crate::preparation::PreparationError;
+use crate::preparation::{PreparationError, Setup};
 use thetahat_estimation::identification::Method;
 use thetahat_ground::linear_algebra::Matrix;
 use thetahat_model::{
-    base_parameters::BaseParameter,
+    base_parameters::{BaseParameter, BaseParameters},
     consistency::{BaseKnowledge, ConsistentSet, bounds_of, interval_in, knowledge_of_base, stated_links},
-    robot::Parameter,
+    robot::{Parameter, TermDescription},
 };
 use thetahat_report::results::{ModelError, ModelParameter, ModelResult, ModelStandardParameter, RunResult};
 
@@ -23,6 +25,20 @@ pub(super) struct ChosenLaw<'v, 'a> {
     pub(super) variant: &'v Variant<'a>,
     pub(super) transition: f64,
     pub(super) rows: &'v ModelRows,
+    pub(super) factors: &'v LawFactors,
+}
+
+/// The law of friction that was chosen, without what only samples say.
+pub(super) struct FittedLaw<'a> {
+    pub(super) setup: Setup<'a>,
+    pub(super) base: &'a BaseParameters,
+    pub(super) set: &'a ConsistentSet,
+    /// In addition to the robot's.
+    pub(super) terms: &'a [TermDescription],
+    pub(super) transition: f64,
+    pub(super) factors: &'a LawFactors,
+    /// True base parameters, of twins.
+    pub(super) truth: Option<Vec<f64>>,
 }
 
 impl ChosenLaw<'_, '_> {
@@ -45,24 +61,42 @@ impl ChosenLaw<'_, '_> {
             return Ok(None);
         }
         let rows = ModelRows::new(identification.setup(), validation, problem, self.transition)?;
-        let speeds = Speeds::new(validation, &rows, self.transition);
-        let prediction = rows.x.times(&problem.base.from_standard(&choice.standard));
-        Ok(Some(errors(&rows, &prediction, None, &speeds)))
+        let rows = [(self.transition, rows)];
+        let laws = data_of_rows(identification.setup(), validation, problem, &rows).laws();
+        let theta = problem.base.from_standard(&choice.standard);
+        Ok(Some(SquaredErrors::of(&laws[0], &theta).error()))
     }
 
     fn fitted(&self, choice: &Choice, runs: &[RunResult], friction: FrictionEvidence) -> ModelResult {
-        let Self { variant: Variant { identification, problem, set, terms, .. }, transition, rows } = *self;
-        let theta = problem.base.from_standard(&choice.standard);
-        let speeds = Speeds::new(&identification.main, rows, transition);
-        let guessed = stated_links(identification.setup().robot);
+        let Self { variant: Variant { identification, problem, set, terms, .. }, transition, rows, factors } = *self;
+        let turning = turning(&identification.main, rows, transition);
         let found = (&choice.standard[..], &choice.deviations[..], transition);
-        let FoundCauses { causes, smallest_shown, delay } =
-            causes(identification, problem, rows, &speeds, found, friction);
-        let knowledge = knowledge_of_base(set, &choice.data, choice.weight, &problem.base).ok();
+        let found = causes(identification, problem, rows, &turning, found, friction);
         // The runs are of the robot without the terms.
         let runs = if terms.is_empty() { runs } else { &[] };
-        let intervals = Intervals::new(&rows.without(&speeds.turning), &choice.deviations, delay, runs);
-        let mut parameters = self.parameters(&theta, knowledge.as_ref(), &intervals);
+        let intervals = Intervals::new(&rows.without(&turning), &choice.deviations, found.delay.clone(), runs);
+        let (setup, base, truth) = (identification.setup(), &problem.base, self.truth());
+        FittedLaw { setup, base, set, terms, transition, factors, truth }.result(choice, found, &intervals)
+    }
+
+    /// The true base parameters of a simulated robot that has no more terms than the described one.
+    fn truth(&self) -> Option<Vec<f64>> {
+        let Variant { identification, problem, terms, .. } = self.variant;
+        let truth = identification.main.first()?.filtered.recording.truth.as_ref()?;
+        let is_of_model = terms.is_empty() && problem.base.agrees_with_fixed(truth);
+        is_of_model.then(|| problem.base.from_standard(truth))
+    }
+}
+
+impl FittedLaw<'_> {
+    /// The model with what samples say: the causes of its errors, and intervals.
+    pub(super) fn result(&self, choice: &Choice, found: FoundCauses, intervals: &Intervals) -> ModelResult {
+        let Self { setup, base, set, terms, transition, factors, .. } = *self;
+        let theta = base.from_standard(&choice.standard);
+        let guessed = stated_links(setup.robot);
+        let FoundCauses { causes, smallest_shown, .. } = found;
+        let knowledge = knowledge_of_base(set, &choice.data, choice.weight, base).ok();
+        let mut parameters = self.parameters(&theta, knowledge.as_ref(), intervals);
         parameters
             .iter_mut()
             .for_each(|p| p.interval_95 = p.interval_95.map(|interval| widened(interval, &p.name, &causes)));
@@ -74,9 +108,9 @@ impl ChosenLaw<'_, '_> {
             friction_transition: transition,
             terms: terms.to_vec(),
             candidates: choice.candidates.clone(),
-            fit: errors(rows, &rows.x.times(&theta), None, &speeds),
+            fit: SquaredErrors::of(factors, &theta).error(),
             held_back: None,
-            unseen: choice.unseen.as_ref().map(|unseen| errors(rows, &unseen.prediction, Some(&unseen.seen), &speeds)),
+            unseen: choice.unseen.clone(),
             causes,
             smallest_shown,
             uses: Vec::new(),
@@ -93,10 +127,9 @@ impl ChosenLaw<'_, '_> {
         knowledge: Option<&BaseKnowledge>,
         intervals: &Intervals,
     ) -> Vec<ModelParameter> {
-        let Variant { problem, set, .. } = self.variant;
-        let a_priori = problem.base.from_standard(set.a_priori());
+        let Self { base, set, truth, .. } = self;
+        let a_priori = base.from_standard(set.a_priori());
         let decided = knowledge.map_or_else(|| vec![0.0; theta.len()], BaseKnowledge::decided_percent);
-        let truth = self.truth();
         let parameter = |(i, p): (usize, &BaseParameter)| ModelParameter {
             name: p.name.clone(),
             unit: p.unit.to_string(),
@@ -107,15 +140,7 @@ impl ChosenLaw<'_, '_> {
             interval_95: intervals.of(i, &p.name).map(|interval| interval_in(bounds_of(set, p), interval, theta[i])),
             true_value: truth.as_ref().map(|truth| truth[i]),
         };
-        problem.base.parameters().iter().enumerate().map(parameter).collect()
-    }
-
-    /// The true base parameters of a simulated robot that has no more terms than the described one.
-    fn truth(&self) -> Option<Vec<f64>> {
-        let Variant { identification, problem, terms, .. } = self.variant;
-        let truth = identification.main.first()?.filtered.recording.truth.as_ref()?;
-        let is_of_model = terms.is_empty() && problem.base.agrees_with_fixed(truth);
-        is_of_model.then(|| problem.base.from_standard(truth))
+        base.parameters().iter().enumerate().map(parameter).collect()
     }
 }
 

@@ -1,6 +1,13 @@
 //! The robot as described or with more torque terms, with the rows that the model is fitted to.
 
-use super::{beliefs::beliefs, law::Law, rows::ModelRows};
+use super::{
+    beliefs::beliefs,
+    folds::ModelFolds,
+    law::Law,
+    law_factors::{LawFactors, ModelData},
+    of_rows::data_of_rows,
+    rows::ModelRows,
+};
 use crate::{
     preparation::{Case, PreparationError, Problem},
     run::{identification::Identification, prepared::filtered},
@@ -35,6 +42,9 @@ pub(super) struct Variant<'a> {
     pub(super) terms: &'a [TermDescription],
     /// The rows of each velocity at which friction changes its sign.
     pub(super) rows: Vec<(f64, ModelRows)>,
+    data: ModelData,
+    /// The same rows as triangular factors.
+    pub(super) factors: Vec<LawFactors>,
 }
 
 impl<'a> Variant<'a> {
@@ -50,24 +60,32 @@ impl<'a> Variant<'a> {
             Err(error) => return Ok(Err(error.to_string())),
         };
         let first = ModelRows::new(identification.setup(), &identification.main, problem, transitions[0])?;
-        let beliefs = beliefs(identification, problem, &first, set);
-        let set = match set.clone().with_beliefs(beliefs) {
-            Ok(set) => set,
-            Err(error) => return Ok(Err(error.to_string())),
-        };
         let mut rows = vec![(transitions[0], first)];
         for transition in &transitions[1..] {
             let found = rows[0].1.with_transition(identification, problem, *transition)?;
             rows.push((*transition, found));
         }
-        Ok(Ok(Self { identification, problem, set, terms, rows }))
+        let data = data_of_rows(identification.setup(), &identification.main, problem, &rows);
+        let factors = data.laws();
+        let mean_position = data.recordings.first().map_or(&[][..], |(_, first)| &first.mean_position);
+        let beliefs = beliefs(identification.setup(), problem, (&factors[0], mean_position), set);
+        match set.clone().with_beliefs(beliefs) {
+            Ok(set) => Ok(Ok(Self { identification, problem, set, terms, rows, data, factors })),
+            Err(error) => Ok(Err(error.to_string())),
+        }
+    }
+
+    pub(super) fn folds(&self) -> ModelFolds {
+        self.data.folds()
     }
 
     pub(super) fn laws(&self) -> impl Iterator<Item = Law<'_>> {
-        self.rows.iter().map(|(transition, rows)| Law {
+        self.rows.iter().zip(&self.factors).map(|((transition, rows), factors)| Law {
             set: &self.set,
             base: &self.problem.base,
-            rows,
+            columns: &self.data.columns,
+            factors,
+            rows: Some(rows),
             transition: *transition,
             terms: self.terms,
         })

@@ -2,7 +2,7 @@
 
 use crate::{
     preparation::{Basis, PreparationError, Setup},
-    run::{identification::CaseProblem, validation::cross_validation::Folds},
+    run::{identification::CaseProblem, model::ModelData, validation::cross_validation::Folds},
 };
 use thetahat_estimation::regression::Regression;
 use thetahat_ground::linear_algebra::Matrix;
@@ -21,6 +21,8 @@ pub(crate) struct ReducedData {
     /// The rows, or triangular factors of them, with all columns of the base.
     pub(crate) regression: Regression,
     pub(crate) instruments: Option<SimulatedInstruments>,
+    /// The rows of every sample, of which the model is chosen.
+    pub(crate) model: ModelData,
     pub(crate) recordings: Vec<RecordingResult>,
     /// Rows of y before they were reduced.
     pub(crate) rows: usize,

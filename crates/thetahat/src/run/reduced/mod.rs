@@ -7,6 +7,8 @@ use super::{
     assessment::Assessment,
     estimation_data::EstimationData,
     examination::{examine_robot, with_note},
+    explained_by_model::with_model_explained,
+    model::model_of_factors,
     parameters::{elimination_result, not_separated},
 };
 use crate::{
@@ -17,7 +19,9 @@ use crate::{
 use data::ReducedIdentification;
 use thetahat_estimation::identification::{Fit, Method, Needs, Outcome, Response, Status};
 use thetahat_ground::clock::Stopwatch;
-use thetahat_report::results::{CaseDiagnosis, JointResult, Plots, RecordingFindings, Results, RunResult, SCHEMA};
+use thetahat_report::results::{
+    CaseDiagnosis, JointResult, ModelResult, Plots, RecordingFindings, Results, RunResult, SCHEMA,
+};
 
 impl ReducedIdentification<'_> {
     /// Runs the nominal case with every method that needs no further simulation, and judges it as a run of recordings is.
@@ -31,8 +35,20 @@ impl ReducedIdentification<'_> {
         let (runs, estimated): (Vec<RunResult>, Vec<MethodEstimate>) = assessed.into_iter().unzip();
         let diagnosis = diagnose(&self.problem.problem, &case, &estimated, &|_, _| Vec::new());
         let mut results = self.results(runs, diagnosis)?;
+        match self.model(&results.runs) {
+            Ok(model) => {
+                with_model_explained(&mut results.findings, &model);
+                results.model = Some(model);
+            }
+            Err(why) => results.no_model = Some(why),
+        }
         judge(&mut results);
         Ok(results)
+    }
+
+    fn model(&self, runs: &[RunResult]) -> Result<ModelResult, String> {
+        let data = &self.data;
+        model_of_factors((self.setup, &self.problem.problem), &data.model, data.truth.clone(), runs)
     }
 
     /// IDIM-LS, what else of the settings needs the measured motion alone, and IDIM-IV where there are instruments.
@@ -125,9 +141,7 @@ impl ReducedIdentification<'_> {
             runs,
             user_runs: Vec::new(),
             model: None,
-            no_model: Some(
-                "the factors of a reduction hold no samples near rest; identify the recordings for one".to_owned(),
-            ),
+            no_model: None,
             payloads: Vec::new(),
             drive_gains: Vec::new(),
             experiment_description: String::new(),

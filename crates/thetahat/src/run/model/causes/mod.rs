@@ -8,7 +8,7 @@ mod cause;
 mod residual;
 mod torques;
 
-use super::{errors::Speeds, rows::ModelRows};
+use super::rows::ModelRows;
 use crate::{preparation::Problem, run::identification::Identification};
 use cause::Cause;
 use residual::{Evidence, Residual};
@@ -64,7 +64,7 @@ pub(super) fn causes(
     identification: &Identification,
     problem: &Problem,
     rows: &ModelRows,
-    speeds: &Speeds,
+    turning: &[bool],
     (standard, deviations, transition): (&[f64], &[f64], f64),
     friction: FrictionEvidence,
 ) -> FoundCauses {
@@ -77,7 +77,7 @@ pub(super) fn causes(
     // A delay shows where the torque changes: at reversals, which all others leave out. Its size is too small where the position
     // filter rings at rests: the check of lags measures it better.
     let of_delay = late.and_then(|late| Residual::new(rows, deviations, &[], vec![candidates[late].clone()]));
-    let Some(residual) = Residual::new(rows, deviations, &speeds.turning, candidates) else {
+    let Some(residual) = Residual::new(rows, deviations, turning, candidates) else {
         return FoundCauses::default();
     };
     let threads = identification.threads;
