@@ -7,7 +7,8 @@ use rand_distr::{Distribution, StandardNormal};
 use super::{
     error::ExportError,
     identified::IdentifiedModel,
-    render::{Export, Target, export_robot},
+    pd_loop::PdLoop,
+    render::{Export, Target, export_with_loop},
 };
 use thetahat_ground::pool::in_order;
 
@@ -81,6 +82,8 @@ impl IdentifiedModel {
         ];
         let about = [vec![self.identified.origin()], drawn.into(), self.provenance_in_words()].concat();
         let Self { identified, .. } = self;
-        export_robot(&identified.robot, identified.urdf_text(), &sample.standard, target, &about)
+        let pd = PdLoop::of(identified);
+        let urdf = identified.urdf_text();
+        export_with_loop(&identified.robot, urdf, &sample.standard, target.into(), &about, pd.as_ref())
     }
 }
