@@ -1,5 +1,6 @@
 //! Tests of the library that need no recorded data, in one program: it links the library once.
 
+mod actuators;
 mod advice;
 #[cfg(feature = "parquet")]
 mod campaign;
