@@ -125,9 +125,11 @@ fn bam_has_the_parameters_of_an_actuator_that_it_knows() {
 
 #[test]
 fn a_changed_number_is_found() {
-    for (format, key) in
-        [(ExportFormat::Pace, "\"params\": [\n"), (ExportFormat::Isaac, "pivot\\\\.1\": "), (ExportFormat::Bam, "armature\": ")]
-    {
+    for (format, key) in [
+        (ExportFormat::Pace, "\"params\": [\n"),
+        (ExportFormat::Isaac, "pivot\\\\.1\": "),
+        (ExportFormat::Bam, "armature\": "),
+    ] {
         let (mut export, _) = exported(format);
         let at = export.text.find("\"armature\"").or(export.text.find(key)).unwrap();
         let digit = at + export.text[at..].find("0.").unwrap() + 2;
@@ -143,8 +145,14 @@ fn a_changed_number_is_found() {
 fn mujoco_has_the_constant_torque_and_the_delay() {
     let export = identified().1.export(ExportFormat::Mjcf).unwrap();
     let constant = estimate("off1");
-    assert!(constant.abs() > 0.01 && export.text.contains(&format!("biasprm=\"{} -60 -2\"", -constant)), "{}", export.text);
-    for written in ["delay=\"0.006\" nsample=\"8\"", "integrator=\"RK4\"", "solreffriction=\"0.002 1\"", "needs MuJoCo 3.5"] {
+    assert!(
+        constant.abs() > 0.01 && export.text.contains(&format!("biasprm=\"{} -60 -2\"", -constant)),
+        "{}",
+        export.text
+    );
+    for written in
+        ["delay=\"0.006\" nsample=\"8\"", "integrator=\"RK4\"", "solreffriction=\"0.002 1\"", "needs MuJoCo 3.5"]
+    {
         assert!(export.text.contains(written), "{written}: {}", export.text);
     }
     assert!(!export.not_represented.concat().contains("constant torque"));

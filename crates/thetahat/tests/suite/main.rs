@@ -23,6 +23,7 @@ mod locked_joints;
 mod long_parquet;
 mod missing_values;
 mod model;
+mod models;
 mod near_rest;
 mod nist_strd;
 mod not_separated;
