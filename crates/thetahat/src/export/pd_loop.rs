@@ -40,7 +40,7 @@ impl PdLoop {
         if identified.run.method.response() != Response::Position || !is_pd {
             return None;
         }
-        let (robot, found) = (&identified.robot, Found { identified, controller });
+        let (robot, found) = (&identified.robot, FittedController { identified, controller });
         let ratios = robot.transmission.ratios()?;
         let joints = robot.coordinate_joints();
         let gains: Option<Vec<Gains>> = joints.iter().enumerate().map(|(c, &j)| found.gains(c, j, ratios[c])).collect();
@@ -56,12 +56,12 @@ impl PdLoop {
 
 /// A controller, and what was estimated of it.
 #[derive(Clone, Copy)]
-struct Found<'a> {
+struct FittedController<'a> {
     identified: &'a IdentifiedRobot,
     controller: &'a ControllerDescription,
 }
 
-impl Found<'_> {
+impl FittedController<'_> {
     /// The gains of a motor, at its joint; none if they are not known.
     fn gains(self, motor: usize, joint: usize, stated_ratio: f64) -> Option<Gains> {
         let ratio = stated_ratio * self.factor("gear ratio", motor);

@@ -38,6 +38,6 @@ fn go2_is_identified_again() -> Result<(), Failed> {
     joints.iter().enumerate().try_for_each(|(k, joint)| ensure_same(run, k, joint))
 }
 
-pub(crate) fn all_trials() -> Vec<Trial> {
+pub fn all_trials() -> Vec<Trial> {
     trials_on_shared_data(&["datasets/go2"], vec![("go2_is_identified_again", go2_is_identified_again)])
 }

@@ -28,7 +28,7 @@ impl Servos {
         Self { lines: pd.gains.iter().map(line).collect(), about: about(pd) }
     }
 
-    /// The attributes of `<option>` besides gravity.
+    /// The attributes of `<option>` other than gravity.
     pub(super) fn options(&self) -> String {
         format!(" timestep=\"{}\" integrator=\"RK4\"", number(STEP_S))
     }
