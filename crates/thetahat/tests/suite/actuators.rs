@@ -159,6 +159,16 @@ fn mujoco_has_the_constant_torque_and_the_delay() {
     assert!(export.check().unwrap() < 1e-9);
 }
 
+/// With a thousand times the damping, RK4 would diverge at a step of 1 ms.
+#[test]
+fn fast_damping_gets_an_implicit_integrator() {
+    let mut model = identified().1.clone();
+    let viscous = model.identified.robot.parameter_table().index_of("fv1").unwrap();
+    model.standard[viscous] *= 1000.0;
+    let text = model.export(ExportFormat::Mjcf).unwrap().text;
+    assert!(text.contains("integrator=\"implicitfast\"") && text.contains("too fast for RK4"), "{text}");
+}
+
 /// Without a controller, of several joints, with coupled motors, with joints that follow others.
 #[test]
 fn what_a_format_of_drives_cannot_hold_is_refused() {
