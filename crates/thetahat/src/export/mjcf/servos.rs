@@ -56,7 +56,7 @@ impl Integrator {
 }
 
 /// The largest rate with which damping and velocity gains stop the robot at its zero position, 1/s: the largest eigenvalue of `M^-1 D`,
-/// by powers; none where the mass matrix has no inverse.
+/// by powers; none if the mass matrix has no inverse.
 fn damping_rate(pd: &PdLoop, robot: &Robot, parameters: &[f64]) -> Option<f64> {
     let (model, table, n) = (Model::new(robot), robot.parameter_table(), robot.coordinate_count());
     let (mut mass, mut workspace) = (vec![0.0; n * n], Workspace::new(&model));
