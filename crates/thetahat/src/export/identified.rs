@@ -58,7 +58,7 @@ impl IdentifiedModel {
     /// The file of the robot.
     ///
     /// # Errors
-    /// As [`export_robot`].
+    /// As [`export_robot`](super::export_robot).
     pub fn export<'t>(&self, target: impl Into<Target<'t>>) -> Result<Export, ExportError> {
         let Self { identified, standard, .. } = self;
         let pd = PdLoop::of(identified);

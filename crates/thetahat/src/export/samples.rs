@@ -54,7 +54,7 @@ impl IdentifiedModel {
     /// The files of samples 1 to `count`, made on `threads` threads and handed over in the order of their numbers.
     ///
     /// # Errors
-    /// As [`IdentifiedModel::sample`] and [`export_robot`], and what `take` returns.
+    /// As [`IdentifiedModel::sample`] and [`export_robot`](super::export_robot), and what `take` returns.
     pub fn export_samples<E: From<ExportError>>(
         &self,
         count: u32,
@@ -72,7 +72,7 @@ impl IdentifiedModel {
     /// The file of a sample.
     ///
     /// # Errors
-    /// As [`export_robot`].
+    /// As [`export_robot`](super::export_robot).
     pub fn export_sample<'t>(&self, sample: &Sample, target: impl Into<Target<'t>>) -> Result<Export, ExportError> {
         let drawn = [
             format!("sample {} of the estimates, seed {}", sample.number, sample.seed),
