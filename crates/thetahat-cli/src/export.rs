@@ -130,7 +130,15 @@ fn model(request: &Exported) -> Result<Option<MjcfModel>, Box<dyn Error>> {
     match (&request.into, request.to) {
         (None, _) => Ok(None),
         (Some(path), ExportFormat::Mjcf) => Ok(Some(MjcfModel::read(path)?)),
-        (Some(_), ExportFormat::Urdf | ExportFormat::Sdf | ExportFormat::Json) => {
+        (
+            Some(_),
+            ExportFormat::Urdf
+            | ExportFormat::Sdf
+            | ExportFormat::Json
+            | ExportFormat::Pace
+            | ExportFormat::Isaac
+            | ExportFormat::Bam,
+        ) => {
             Err("--into needs a MuJoCo model; use it with --to mjcf. A URDF of the robot is edited without --into"
                 .into())
         }
@@ -144,7 +152,7 @@ fn target<'a>(request: &Exported, model: Option<&'a MjcfModel>) -> Target<'a> {
 fn kind(format: ExportFormat) -> FileKind {
     match format {
         ExportFormat::Urdf | ExportFormat::Mjcf | ExportFormat::Sdf => FileKind::Robot,
-        ExportFormat::Json => FileKind::RobotJson,
+        ExportFormat::Json | ExportFormat::Pace | ExportFormat::Isaac | ExportFormat::Bam => FileKind::RobotJson,
     }
 }
 

@@ -152,7 +152,12 @@ impl Results {
         py.detach(|| {
             let model = IdentifiedModel::of_results(Path::new("the results"), &self.results, &request)?;
             let export = model.export(format)?;
-            let kind = if format == ExportFormat::Json { FileKind::RobotJson } else { FileKind::Robot };
+            let kind = match format {
+                ExportFormat::Urdf | ExportFormat::Mjcf | ExportFormat::Sdf => FileKind::Robot,
+                ExportFormat::Json | ExportFormat::Pace | ExportFormat::Isaac | ExportFormat::Bam => {
+                    FileKind::RobotJson
+                }
+            };
             write_guarded((&path, kind), export.text.as_bytes(), force)?;
             Ok([model.about(), export.notes, export.not_represented].concat())
         })

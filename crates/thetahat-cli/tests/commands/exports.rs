@@ -70,7 +70,7 @@ fn what_cannot_be_exported_is_refused() {
     let unread = refused(&thetahat(folder.path(), ["export", "results.json", "--to", "json", "--check"]));
     assert!(unread.contains("holds the parameters as they are"), "{unread}");
     let unknown = refused(&thetahat(folder.path(), ["export", "results.json", "--to", "dae"]));
-    assert!(unknown.contains("urdf, mjcf, sdf, json"), "{unknown}");
+    assert!(unknown.contains("urdf, mjcf, sdf, json, pace, isaac, bam"), "{unknown}");
     assert!(export("two_joint.toml", &[]).contains("is not the results.json"));
     folder.replace("results.json", "\"verdict\": \"", "\"verdict\": \"do-not-use\", \"was\": \"", "bad.json");
     let untrusted = export("bad.json", &["--out", "bad.urdf", "--force"]);

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use libtest_mimic::{Failed, Trial};
 use thetahat::{Results, results::Verdict};
 use thetahat_report::results::{CauseKind, ModelCause, ModelParameter, ModelResult};
-use thetahat_testing::{Folder, Named, ensure, refused, run, shared, succeeded, trials_on_shared_data};
+use thetahat_testing::{Folder, Named, ensure, project, refused, run, shared, succeeded, trials_on_shared_data};
 
 use crate::PROGRAM;
 
@@ -23,6 +23,7 @@ pub(crate) fn trials() -> Vec<Trial> {
         ("field_wrapped", wrapped_angles_are_unwrapped),
         ("field_clocks", gaps_copies_and_coarse_clocks),
         ("field_no_torque", a_leg_without_torques),
+        ("field_legs_page", the_commands_of_the_page_for_legs_run),
         ("field_strokes", strokes_give_friction),
         ("field_weights", known_weights_give_the_gain),
         ("field_encoder_zero", a_wrong_zero_is_named),
@@ -174,6 +175,28 @@ fn a_leg_without_torques() -> Result<(), Failed> {
     for (name, value) in right {
         let found = run.parameter(name).map_or(f64::NAN, |p| p.estimate);
         ensure((found - value).abs() <= 0.05 * value, format!("{name}: {found} for {value}"))?;
+    }
+    Ok(())
+}
+
+/// The commands of docs/manual/legs.md run unchanged; `.ci/legs` runs its Python as well.
+fn the_commands_of_the_page_for_legs_run() -> Result<(), Failed> {
+    let case = Case::new("24-pace-no-torque");
+    for file in ["leg.urdf", "log.csv"] {
+        case.folder.copy(&case.inputs.join(file));
+    }
+    let page = std::fs::read_to_string(project("docs/manual/legs.md"))?;
+    for command in page.lines().filter_map(|line| line.strip_prefix("$ thetahat ")) {
+        let output = run(PROGRAM, case.folder.path(), command.split(' '));
+        let said = String::from_utf8_lossy(&output.stderr);
+        ensure(output.status.code().is_some_and(|code| code < 2), format!("{command}: {said}"))?;
+    }
+    for (file, part) in [
+        ("leg.xml", "integrator=\"RK4\""),
+        ("leg_pace.json", "\"delay_mode\": \"command\""),
+        ("leg_isaac.json", "\"IdealPDActuatorCfg\""),
+    ] {
+        ensure(case.folder.text(file).contains(part), format!("{file} has no {part}"))?;
     }
     Ok(())
 }

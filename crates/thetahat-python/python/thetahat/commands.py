@@ -241,7 +241,7 @@ def generate(
 def sample(
     result: Result | _Path,
     count: int,
-    to: Literal["urdf", "mjcf", "sdf", "json"] = "urdf",
+    to: Literal["urdf", "mjcf", "sdf", "json", "pace", "isaac", "bam"] = "urdf",
     *,
     seed: int = 1,
     method: str | None = None,
@@ -258,7 +258,7 @@ def sample(
         The result, or a ``results.json``.
     count : int
         Number of robots.
-    to : {"urdf", "mjcf", "sdf", "json"}
+    to : {"urdf", "mjcf", "sdf", "json", "pace", "isaac", "bam"}
         The format.
     seed : int
         Seed of the random numbers; the same seed gives the same robots.

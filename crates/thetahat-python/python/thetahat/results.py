@@ -521,7 +521,7 @@ class Result:
         ----------
         path : str or path
             The file; a file that thetahat wrote is replaced.
-        to : {"urdf", "mjcf", "sdf", "json"}, optional
+        to : {"urdf", "mjcf", "sdf", "json", "pace", "isaac", "bam"}, optional
             The format; by default that of the file's extension, where ``.xml`` is MJCF.
         method : str, optional
             The method of the estimates; by default the model.

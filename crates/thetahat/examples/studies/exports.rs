@@ -73,7 +73,7 @@ fn export(file: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {
                 let into = export_robot(&robot, None, &parameters, Target::Into(&model), &[])?;
                 write(&into, &folder.join(format!("{name}_into_a_users_own.xml")))?;
             }
-            ExportFormat::Sdf | ExportFormat::Json => {}
+            ExportFormat::Sdf | ExportFormat::Json | ExportFormat::Pace | ExportFormat::Isaac | ExportFormat::Bam => {}
         }
     }
     Ok(())

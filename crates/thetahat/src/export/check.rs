@@ -6,8 +6,9 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::{
+    actuators,
     error::ExportError,
-    format::ExportFormat,
+    format::{ActuatorFormat, ExportFormat},
     mjcf::{self, MjcfModel},
     read_back::{Kinematics, robot_of},
     render::Export,
@@ -34,7 +35,7 @@ impl Export {
     ///
     /// Everything that the torques depend on is read from the file, but for gravity, and the reductions of a URDF's
     /// transmissions. Of a MuJoCo model of the user's own whose axes are those of the robot up to rounding (above 1e-12 rad or
-    /// m), the kinematics are the robot's.
+    /// m), the kinematics are the robot's. Of a format of drives alone, so are the links.
     ///
     /// # Errors
     /// [`ExportError::NoReader`] for JSON, [`ExportError::Robot`], [`ExportError::Mjcf`] and [`ExportError::ReadBack`] where the
@@ -48,7 +49,14 @@ impl Export {
                 compare(&self.represented, &robot_of(&self.represented, &links, &[], Kinematics::File))
             }
             ExportFormat::Json => Err(ExportError::NoReader { format: self.format }),
+            ExportFormat::Pace => self.compare_actuators(ActuatorFormat::Pace),
+            ExportFormat::Isaac => self.compare_actuators(ActuatorFormat::Isaac),
+            ExportFormat::Bam => self.compare_actuators(ActuatorFormat::Bam),
         }
+    }
+
+    fn compare_actuators(&self, format: ActuatorFormat) -> Result<f64, ExportError> {
+        compare(&self.represented, &actuators::read(format, &self.text, &self.represented)?)
     }
 
     fn read_model(&self) -> Result<Robot, ExportError> {

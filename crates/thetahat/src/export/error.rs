@@ -80,6 +80,39 @@ pub enum ExportError {
         /// The format.
         format: ExportFormat,
     },
+    /// A format of drives has those of single joints.
+    #[error("{} has a drive for each joint, and motor {motor} turns several; JSON and MJCF have such motors", format.title())]
+    CoupledActuators {
+        /// The format.
+        format: ExportFormat,
+        /// The motor, from one.
+        motor: usize,
+    },
+    /// A format of drives has none of joints that follow others.
+    #[error("joint `{joint}` follows another, and {} has drives of single joints; JSON and MJCF have such joints", format.title())]
+    FollowerInActuators {
+        /// The joint.
+        joint: String,
+        /// The format.
+        format: ExportFormat,
+    },
+    /// A format of drives holds a controller.
+    #[error(
+        "{} holds a controller, and none was identified: it takes estimates from positions under a PD controller of known \
+         gains, by cloe or clie", format.title()
+    )]
+    NoController {
+        /// The format.
+        format: ExportFormat,
+    },
+    /// A format of one actuator.
+    #[error("{} holds one actuator, and the robot has {joints} joints: lock the others (`locked`) and identify each", format.title())]
+    SeveralActuators {
+        /// Those of the robot.
+        joints: usize,
+        /// The format.
+        format: ExportFormat,
+    },
     /// No reader for a check.
     #[error("{} is not read back: it holds the parameters as they are, and nothing is to be checked", format.title())]
     NoReader {

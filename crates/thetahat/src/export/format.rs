@@ -11,11 +11,35 @@ pub enum ExportFormat {
     Sdf,
     /// Plain JSON, which holds everything that the torques depend on.
     Json,
+    /// PACE's vector of parameters in JSON: the drives alone.
+    Pace,
+    /// The arguments of Isaac Lab's actuators in JSON: the drives alone.
+    Isaac,
+    /// BAM's parameters of one actuator in JSON.
+    Bam,
+}
+
+/// A format of drives alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ActuatorFormat {
+    Pace,
+    Isaac,
+    Bam,
+}
+
+impl ActuatorFormat {
+    pub(super) fn of_exports(self) -> ExportFormat {
+        match self {
+            Self::Pace => ExportFormat::Pace,
+            Self::Isaac => ExportFormat::Isaac,
+            Self::Bam => ExportFormat::Bam,
+        }
+    }
 }
 
 impl ExportFormat {
     /// Every format.
-    pub const ALL: [Self; 4] = [Self::Urdf, Self::Mjcf, Self::Sdf, Self::Json];
+    pub const ALL: [Self; 7] = [Self::Urdf, Self::Mjcf, Self::Sdf, Self::Json, Self::Pace, Self::Isaac, Self::Bam];
 
     /// Its name in commands.
     #[must_use]
@@ -25,6 +49,9 @@ impl ExportFormat {
             Self::Mjcf => "mjcf",
             Self::Sdf => "sdf",
             Self::Json => "json",
+            Self::Pace => "pace",
+            Self::Isaac => "isaac",
+            Self::Bam => "bam",
         }
     }
 
@@ -36,6 +63,9 @@ impl ExportFormat {
             Self::Mjcf => "MJCF",
             Self::Sdf => "SDF",
             Self::Json => "JSON",
+            Self::Pace => "PACE",
+            Self::Isaac => "Isaac Lab",
+            Self::Bam => "BAM",
         }
     }
 
@@ -46,7 +76,7 @@ impl ExportFormat {
             Self::Urdf => "urdf",
             Self::Mjcf => "xml",
             Self::Sdf => "sdf",
-            Self::Json => "json",
+            Self::Json | Self::Pace | Self::Isaac | Self::Bam => "json",
         }
     }
 }

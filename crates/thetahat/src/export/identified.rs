@@ -5,11 +5,10 @@ use std::path::Path;
 use super::{
     choice::Kept,
     error::ExportError,
-    format::ExportFormat,
+    pd_loop::PdLoop,
     posterior::Posterior,
     provenance::{AdjustedParameter, Provenance, moved},
-    render::{Export, Target, export_robot},
-    servos::Servos,
+    render::{Export, Target, export_with_loop},
     xml::number,
 };
 use crate::experiment::{EstimateRequest, IdentifiedRobot};
@@ -59,20 +58,12 @@ impl IdentifiedModel {
     /// The file of the robot.
     ///
     /// # Errors
-    /// As [`export_robot`].
+    /// As [`export_robot`](super::export_robot).
     pub fn export<'t>(&self, target: impl Into<Target<'t>>) -> Result<Export, ExportError> {
         let Self { identified, standard, .. } = self;
-        let target = target.into();
-        let servos = match target {
-            Target::File(ExportFormat::Mjcf) => Servos::of(identified),
-            Target::File(ExportFormat::Urdf | ExportFormat::Sdf | ExportFormat::Json) | Target::Into(_) => None,
-        };
-        let Some(servos) = servos else {
-            return export_robot(&identified.robot, identified.urdf_text(), standard, target, &self.about());
-        };
-        let about = [self.about(), servos.about.clone()].concat();
-        let export = export_robot(&identified.robot, identified.urdf_text(), standard, target, &about)?;
-        Ok(Export { text: servos.put_into(&export.text), notes: [export.notes, servos.about].concat(), ..export })
+        let pd = PdLoop::of(identified);
+        let urdf = identified.urdf_text();
+        export_with_loop(&identified.robot, urdf, standard, target.into(), &self.about(), pd.as_ref())
     }
 
     /// What there is to say of the exported parameters, a sentence each: how they were chosen, what moved, and what was not

@@ -1,4 +1,5 @@
-//! The identified robot as a file that simulators and controllers read: URDF, MJCF, SDF or plain JSON.
+//! The identified robot as a file that simulators and controllers read: URDF, MJCF, SDF or plain JSON; or its drives alone, as PACE,
+//! Isaac Lab and BAM read them.
 //!
 //! Base parameters are not link inertias. [`IdentifiedModel`] takes the physically consistent standard parameters nearest to
 //! the a-priori ones (log-det) that keep the base parameters at their estimates, or within their intervals;
@@ -20,6 +21,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod actuators;
 mod body;
 mod check;
 mod choice;
@@ -32,6 +34,7 @@ mod header;
 mod identified;
 mod json;
 mod mjcf;
+mod pd_loop;
 mod posterior;
 mod provenance;
 mod read_back;
@@ -40,7 +43,6 @@ mod represented;
 mod samples;
 mod sdf;
 mod sdf_read;
-mod servos;
 mod sidecar;
 mod split;
 mod spread;

@@ -1,12 +1,14 @@
 //! The file of a robot in each format.
 
 use super::{
+    actuators::{self, Written},
     editor::Edited,
     error::ExportError,
-    format::ExportFormat,
+    format::{ActuatorFormat, ExportFormat},
     header,
     json::json,
-    mjcf::{self, MjcfModel},
+    mjcf::{self, MjcfModel, Servos},
+    pd_loop::PdLoop,
     represented::{RepresentedRobot, represented},
     sdf::sdf,
     urdf_edit::edited,
@@ -77,7 +79,8 @@ impl Export {
 /// Links need a mass above zero; whether they are bodies is not checked.
 ///
 /// # Errors
-/// [`ExportError::Robot`] for a URDF that is not that of the robot, and [`ExportError::Mjcf`] for a model that is not.
+/// [`ExportError::Robot`] for a URDF that is not that of the robot, and [`ExportError::Mjcf`] for a model that is not; for formats of
+/// drives alone that such a format cannot hold the robot's.
 pub fn export_robot<'t>(
     robot: &Robot,
     urdf: Option<&str>,
@@ -85,11 +88,36 @@ pub fn export_robot<'t>(
     target: impl Into<Target<'t>>,
     about: &[String],
 ) -> Result<Export, ExportError> {
-    let target = target.into();
+    export_with_loop(robot, urdf, parameters, target.into(), about, None)
+}
+
+/// As [`export_robot`], with the controller that was fitted.
+pub(super) fn export_with_loop(
+    robot: &Robot,
+    urdf: Option<&str>,
+    parameters: &[f64],
+    target: Target<'_>,
+    about: &[String],
+    pd: Option<&PdLoop>,
+) -> Result<Export, ExportError> {
     let keeps_the_file = matches!((target, urdf), (Target::File(ExportFormat::Urdf), Some(_)));
     require_one_leader(robot, target.format(), keeps_the_file)?;
-    let represented = represented(robot, parameters, target.format());
+    let servos = match target {
+        Target::File(ExportFormat::Mjcf) => pd.map(|pd| Servos::of(pd, robot, parameters)),
+        Target::File(
+            ExportFormat::Urdf
+            | ExportFormat::Sdf
+            | ExportFormat::Json
+            | ExportFormat::Pace
+            | ExportFormat::Isaac
+            | ExportFormat::Bam,
+        )
+        | Target::Into(_) => None,
+    };
+    let represented = represented(robot, parameters, target.format(), servos.is_some());
     let header = |notes: &[String]| header::comment(robot, &represented, about, notes);
+    let drives =
+        |format| actuators::text(&Written { format, robot, represented: &represented, pd, about: about.to_vec() });
     let whole = |edited: Edited| (edited.with_header(&header(&edited.notes)), edited.notes);
     let (text, notes) = match (target, urdf) {
         (Target::Into(model), _) => whole(mjcf::edited(model, &represented)?),
@@ -97,9 +125,15 @@ pub fn export_robot<'t>(
         (Target::File(ExportFormat::Urdf), None) => {
             (urdf_new::urdf(&represented, &header(&[]), robot.transmission.ratios().as_deref()), Vec::new())
         }
-        (Target::File(ExportFormat::Mjcf), _) => (mjcf::mjcf(&represented, &header(&[])), Vec::new()),
+        (Target::File(ExportFormat::Mjcf), _) => {
+            let notes = servos.as_ref().map(|servos| servos.about.clone()).unwrap_or_default();
+            (mjcf::mjcf(&represented, &header(&notes), servos.as_ref()), notes)
+        }
         (Target::File(ExportFormat::Sdf), _) => (sdf(&represented, &header(&[])), Vec::new()),
         (Target::File(ExportFormat::Json), _) => (json(&represented, about)?, Vec::new()),
+        (Target::File(ExportFormat::Pace), _) => drives(ActuatorFormat::Pace)?,
+        (Target::File(ExportFormat::Isaac), _) => drives(ActuatorFormat::Isaac)?,
+        (Target::File(ExportFormat::Bam), _) => drives(ActuatorFormat::Bam)?,
     };
     let is_edited_model = matches!(target, Target::Into(_));
     Ok(Export {
@@ -119,7 +153,16 @@ fn require_one_leader(robot: &Robot, format: ExportFormat, keeps_the_file: bool)
         (Some(joint), ExportFormat::Urdf | ExportFormat::Mjcf | ExportFormat::Sdf) if !keeps_the_file => {
             Err(ExportError::FollowsSeveral { joint: joint.name.clone(), format })
         }
-        (Some(_) | None, ExportFormat::Urdf | ExportFormat::Mjcf | ExportFormat::Sdf | ExportFormat::Json) => Ok(()),
+        (
+            Some(_) | None,
+            ExportFormat::Urdf
+            | ExportFormat::Mjcf
+            | ExportFormat::Sdf
+            | ExportFormat::Json
+            | ExportFormat::Pace
+            | ExportFormat::Isaac
+            | ExportFormat::Bam,
+        ) => Ok(()),
     }
 }
 

@@ -41,7 +41,14 @@ impl RepresentedRobot {
 }
 
 /// A robot with standard parameters, as a format represents it.
-pub(super) fn represented(robot: &Robot, parameters: &[f64], format: ExportFormat) -> RepresentedRobot {
+///
+/// `has_servos` says that actuators of the file hold the constant torques of the joints.
+pub(super) fn represented(
+    robot: &Robot,
+    parameters: &[f64],
+    format: ExportFormat,
+    has_servos: bool,
+) -> RepresentedRobot {
     let table = robot.parameter_table();
     if format == ExportFormat::Json {
         return RepresentedRobot {
@@ -52,10 +59,15 @@ pub(super) fn represented(robot: &Robot, parameters: &[f64], format: ExportForma
             not_represented: Vec::new(),
         };
     }
-    let of_format = Conversion { robot, table, parameters, format };
+    let of_format = Conversion { robot, table, parameters, format, has_servos };
     let transmission = match format {
         ExportFormat::Mjcf => robot.transmission.clone(),
-        ExportFormat::Urdf | ExportFormat::Sdf | ExportFormat::Json => Transmission::direct(robot.coordinate_count()),
+        ExportFormat::Urdf
+        | ExportFormat::Sdf
+        | ExportFormat::Json
+        | ExportFormat::Pace
+        | ExportFormat::Isaac
+        | ExportFormat::Bam => Transmission::direct(robot.coordinate_count()),
     };
     let mut rest = Robot {
         friction: Friction::Symmetric,
@@ -84,27 +96,53 @@ struct Conversion<'a> {
     table: ParameterTable,
     parameters: &'a [f64],
     format: ExportFormat,
+    has_servos: bool,
 }
 
 impl Conversion<'_> {
     fn has_motor_inertia(&self) -> bool {
         match self.format {
             ExportFormat::Urdf | ExportFormat::Sdf => false,
-            ExportFormat::Mjcf | ExportFormat::Json => true,
+            ExportFormat::Mjcf | ExportFormat::Json | ExportFormat::Pace | ExportFormat::Isaac | ExportFormat::Bam => {
+                true
+            }
         }
     }
 
     fn has_gravity(&self) -> bool {
         match self.format {
             ExportFormat::Urdf | ExportFormat::Sdf => false,
-            ExportFormat::Mjcf | ExportFormat::Json => true,
+            ExportFormat::Mjcf | ExportFormat::Json | ExportFormat::Pace | ExportFormat::Isaac | ExportFormat::Bam => {
+                true
+            }
+        }
+    }
+
+    /// Whether the format has zeros of encoders.
+    fn has_zeros(&self) -> bool {
+        match self.format {
+            ExportFormat::Urdf | ExportFormat::Mjcf | ExportFormat::Sdf | ExportFormat::Isaac => false,
+            ExportFormat::Json | ExportFormat::Pace | ExportFormat::Bam => true,
+        }
+    }
+
+    /// What a format of drives does not have.
+    fn links(&self) -> Option<String> {
+        match self.format {
+            ExportFormat::Urdf | ExportFormat::Mjcf | ExportFormat::Sdf | ExportFormat::Json => None,
+            ExportFormat::Pace | ExportFormat::Isaac | ExportFormat::Bam => {
+                let title = self.format.title();
+                Some(format!("{title} has no links: give it the robot's description, or its export as URDF or MJCF"))
+            }
         }
     }
 
     /// The quantities of coupled motors that the format does not have.
     fn lost_of_motors(&self) -> Vec<MotorQuantity> {
         match self.format {
-            ExportFormat::Urdf | ExportFormat::Sdf => MotorQuantity::ALL.to_vec(),
+            ExportFormat::Urdf | ExportFormat::Sdf | ExportFormat::Pace | ExportFormat::Isaac | ExportFormat::Bam => {
+                MotorQuantity::ALL.to_vec()
+            }
             ExportFormat::Mjcf => not_representable(self.robot, self.parameters),
             ExportFormat::Json => Vec::new(),
         }
@@ -136,16 +174,22 @@ impl Conversion<'_> {
         };
         let coupled = self.listed(|p| matches!(p.quantity, Quantity::Motor(quantity) if lost.contains(&quantity)));
         let terms = self.listed(|p| p.quantity.is_term());
+        let constant = if self.has_servos { String::new() } else { joint(&[Off]) };
         let inertia = if self.has_motor_inertia() { String::new() } else { joint(&[Ia]) };
         let of_motors = match self.format {
             ExportFormat::Mjcf => "such coupled motors, as a joint's own armature or damping would be below zero",
-            ExportFormat::Urdf | ExportFormat::Sdf | ExportFormat::Json => "coupled motors",
+            ExportFormat::Urdf
+            | ExportFormat::Sdf
+            | ExportFormat::Json
+            | ExportFormat::Pace
+            | ExportFormat::Isaac
+            | ExportFormat::Bam => "coupled motors",
         };
         let both = "one friction for both directions, and has their mean";
         let title = self.format.title();
         let all = [
             ("motor inertia (seen at the joint; give it where the file is used, as armature)", inertia),
-            ("constant torque of a joint; add it to the torques", joint(&[Off])),
+            ("constant torque of a joint; add it to the torques", constant),
             (both, joint(&[Fvp, Fcp, Fvn, Fcn])),
             (of_motors, coupled),
             ("torque terms of a user's own", terms),
@@ -155,6 +199,7 @@ impl Conversion<'_> {
             |(what, list): (&str, String)| (!list.is_empty()).then(|| format!("{title} {} {what}: {list}", verb(what)));
         all.into_iter()
             .filter_map(line)
+            .chain(self.links())
             .chain(self.not_represented_of_drives())
             .chain(self.not_represented_of_the_tree())
             .collect()
@@ -175,6 +220,7 @@ impl Conversion<'_> {
             values.iter().any(|v| *v != usual).then(|| format!("{what} {}", numbers(values)))
         };
         let offset = of("joint positions at the motors' zero", transmission.offset(), 0.0);
+        let offset = if self.has_zeros() { None } else { offset };
         let gain = of("drive gains", transmission.drive_gain(), 1.0);
         let all: Vec<String> = [ratios, offset, gain].into_iter().flatten().collect();
         let title = self.format.title();

@@ -7,7 +7,8 @@ use rand_distr::{Distribution, StandardNormal};
 use super::{
     error::ExportError,
     identified::IdentifiedModel,
-    render::{Export, Target, export_robot},
+    pd_loop::PdLoop,
+    render::{Export, Target, export_with_loop},
 };
 use thetahat_ground::pool::in_order;
 
@@ -53,7 +54,7 @@ impl IdentifiedModel {
     /// The files of samples 1 to `count`, made on `threads` threads and handed over in the order of their numbers.
     ///
     /// # Errors
-    /// As [`IdentifiedModel::sample`] and [`export_robot`], and what `take` returns.
+    /// As [`IdentifiedModel::sample`] and [`export_robot`](super::export_robot), and what `take` returns.
     pub fn export_samples<E: From<ExportError>>(
         &self,
         count: u32,
@@ -71,7 +72,7 @@ impl IdentifiedModel {
     /// The file of a sample.
     ///
     /// # Errors
-    /// As [`export_robot`].
+    /// As [`export_robot`](super::export_robot).
     pub fn export_sample<'t>(&self, sample: &Sample, target: impl Into<Target<'t>>) -> Result<Export, ExportError> {
         let drawn = [
             format!("sample {} of the estimates, seed {}", sample.number, sample.seed),
@@ -81,6 +82,8 @@ impl IdentifiedModel {
         ];
         let about = [vec![self.identified.origin()], drawn.into(), self.provenance_in_words()].concat();
         let Self { identified, .. } = self;
-        export_robot(&identified.robot, identified.urdf_text(), &sample.standard, target, &about)
+        let pd = PdLoop::of(identified);
+        let urdf = identified.urdf_text();
+        export_with_loop(&identified.robot, urdf, &sample.standard, target.into(), &about, pd.as_ref())
     }
 }

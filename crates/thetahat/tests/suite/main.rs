@@ -1,5 +1,6 @@
 //! Tests of the library that need no recorded data, in one program: it links the library once.
 
+mod actuators;
 mod advice;
 #[cfg(feature = "parquet")]
 mod campaign;
@@ -22,6 +23,7 @@ mod locked_joints;
 mod long_parquet;
 mod missing_values;
 mod model;
+mod models;
 mod near_rest;
 mod nist_strd;
 mod not_separated;

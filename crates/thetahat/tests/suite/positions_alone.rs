@@ -5,7 +5,7 @@ use std::path::Path;
 use thetahat::{
     Experiment, Method, Results,
     experiment::EstimateRequest,
-    export::{ExportFormat, IdentifiedModel},
+    export::{ExportError, ExportFormat, IdentifiedModel},
     identification::Status,
     preparation::LoopParameter,
     results::RunResult,
@@ -61,9 +61,26 @@ fn has_its_servos(results: &Results, factor: f64) {
     };
     let kp = number(&text, "gainprm=\"");
     assert!((kp / (POSITION_GAIN * factor) - 1.0).abs() < 1e-9, "{kp}");
-    assert_eq!(number(&text, "biasprm=\"0 "), -kp);
-    assert!(text.contains("the actuators have no delay: apply commands"), "{text}");
+    let bias = text.split_once("biasprm=\"").unwrap().1.split('"').next().unwrap();
+    assert_eq!(bias.split(' ').nth(1).unwrap().parse::<f64>().unwrap(), -kp);
+    assert!(text.contains(" delay=\"0.0"), "{text}");
+    has_all_drives(&model, factor);
     assert!(!model.export(ExportFormat::Urdf).unwrap().text.contains("actuator"));
+}
+
+/// PACE's vector has the twelve joints, Isaac Lab their gains, and BAM refuses more than one.
+fn has_all_drives(model: &IdentifiedModel, factor: f64) {
+    let file = |format| serde_json::from_str::<serde_json::Value>(&model.export(format).unwrap().text).unwrap();
+    let pace = file(ExportFormat::Pace);
+    assert_eq!(pace["params"].as_array().unwrap().len(), 4 * 12 + 1);
+    assert_eq!(pace["params"][4 * 12], 1.0, "a delay of one step");
+    let isaac = file(ExportFormat::Isaac);
+    let gains = isaac["settings"]["stiffness"].as_object().unwrap();
+    assert_eq!(gains.len(), 12);
+    let is_found = |gain: &serde_json::Value| (gain.as_f64().unwrap() / (POSITION_GAIN * factor) - 1.0).abs() < 1e-9;
+    assert!(gains.values().all(is_found), "{gains:?}");
+    let refused = model.export(ExportFormat::Bam).unwrap_err();
+    assert!(matches!(refused, ExportError::SeveralActuators { joints: 12, .. }), "{refused}");
 }
 
 /// With both gains free all torques may grow alike: what cannot be told apart is named.

@@ -15,6 +15,7 @@ mod design_tx40;
 mod dynamics_reference;
 mod generated_code;
 mod model;
+mod models;
 mod prediction_error;
 mod recorded_emps;
 mod recorded_others;
@@ -27,7 +28,7 @@ mod trajectory_record;
 use libtest_mimic::Arguments;
 use thetahat_testing::Module;
 
-const MODULES: [Module; 18] = [
+const MODULES: [Module; 19] = [
     ("base_parameter_counts", base_parameter_counts::all_trials),
     ("clean_records", clean_records::all_trials),
     ("consistency_reference", consistency_reference::all_trials),
@@ -38,6 +39,7 @@ const MODULES: [Module; 18] = [
     ("dynamics_reference", dynamics_reference::all_trials),
     ("generated_code", generated_code::all_trials),
     ("model", model::all_trials),
+    ("models", models::all_trials),
     ("prediction_error", prediction_error::all_trials),
     ("recorded_emps", recorded_emps::all_trials),
     ("recorded_others", recorded_others::all_trials),

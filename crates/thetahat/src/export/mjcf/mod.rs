@@ -7,6 +7,7 @@ mod error;
 mod matched;
 mod model;
 mod read;
+mod servos;
 mod settings;
 mod tree;
 mod written;
@@ -16,4 +17,5 @@ pub use model::MjcfModel;
 
 pub(super) use edited::edited;
 pub(super) use read::read;
+pub(super) use servos::Servos;
 pub(super) use written::mjcf;

@@ -1,5 +1,6 @@
 //! A new MJCF of a robot: MuJoCo's model file.
 
+use super::servos::Servos;
 use crate::export::{
     body::Body,
     coupling::{Tendon, drive_without_tendons},
@@ -10,20 +11,23 @@ use crate::export::{
 use thetahat_model::robot::{JointKind, JointQuantity, Robot};
 
 /// The MJCF of a robot, with `header` at its start.
-pub(in crate::export) fn mjcf(represented: &RepresentedRobot, header: &str) -> String {
+pub(in crate::export) fn mjcf(represented: &RepresentedRobot, header: &str, servos: Option<&Servos>) -> String {
     let robot = &represented.robot;
+    let options = servos.map_or_else(String::new, Servos::options);
     let mut lines = vec![
         format!("<mujoco model=\"{}\">", escaped(&robot.name)),
         "  <compiler angle=\"radian\"/>".to_owned(),
-        format!("  <option gravity=\"{}\"/>", numbers(&robot.gravity)),
-        "  <worldbody>".to_owned(),
+        format!("  <option gravity=\"{}\"{options}/>", numbers(&robot.gravity)),
     ];
+    lines.extend(servos.map(Servos::defaults));
+    lines.push("  <worldbody>".to_owned());
     (0..robot.joints.len())
         .filter(|&k| robot.joints[k].parent.is_none())
         .for_each(|k| add_body(represented, k, 2, &mut lines));
     lines.push("  </worldbody>".to_owned());
     lines.extend(followers(robot));
     lines.extend(coupled_motors(represented));
+    lines.extend(servos.map(Servos::actuators));
     lines.push("</mujoco>".to_owned());
     format!("{header}{}\n", lines.join("\n"))
 }
