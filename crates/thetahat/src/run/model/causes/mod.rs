@@ -27,6 +27,9 @@ const LOW_RATE: f64 = 0.35;
 /// The same of elastic joints, and of laws of friction for which no torque term helps: their columns are second differences and signs of
 /// the motion, whose errors the filters leave in step with the residual. Rigid arms with linear friction have shown -5.4 and -6.2.
 const NAMED_BY_FILTERED: f64 = -8.0;
+/// Rows of a joint of the recordings on which these limits were measured. What filters leave is the same in every row, so that its evidence
+/// grows with their number as that of a true cause does: a clean arm has -38 for friction over speed in 1829 rows.
+const ROWS: f64 = 300.0;
 /// log10 of the probability above which a cause no longer shows once another is put in.
 const GONE: f64 = -3.0;
 /// Part of the strongest cause's evidence from which another counts as its rival.
@@ -81,9 +84,11 @@ pub(super) fn causes(
         return FoundCauses::default();
     };
     let threads = identification.threads;
-    let named_below = named_below(identification);
-    let mut search =
-        Search { residual, problem, threads, named_below, friction, put_in: Vec::new(), named: Vec::new() };
+    let more_rows = (rows.rows_of_joint() as f64 / ROWS).max(1.0);
+    let named_below = named_below(identification) * more_rows.sqrt();
+    let named_by_filtered = named_below.min(NAMED_BY_FILTERED * more_rows);
+    let (put_in, named) = (Vec::new(), Vec::new());
+    let mut search = Search { residual, problem, threads, named_below, named_by_filtered, friction, put_in, named };
     let delay = late.zip(of_delay).and_then(|(late, of_delay)| search.put_in_delay(late, &of_delay));
     while search.named.len() < MOST && search.put_in_strongest() {}
     let Search { residual, mut named, put_in, .. } = search;
@@ -100,6 +105,8 @@ struct Search<'a> {
     threads: usize,
     /// log10 of the probability below which a cause is named.
     named_below: f64,
+    /// The same of columns that the filters blur.
+    named_by_filtered: f64,
     friction: FrictionEvidence,
     put_in: Vec<usize>,
     named: Vec<ModelCause>,
@@ -163,7 +170,7 @@ impl Search<'_> {
             | CauseKind::Coupling
             | CauseKind::Payload => false,
         };
-        if is_by_filtered { self.named_below.min(NAMED_BY_FILTERED) } else { self.named_below }
+        if is_by_filtered { self.named_by_filtered } else { self.named_below }
     }
 
     /// Whether two causes are different errors.
@@ -172,7 +179,7 @@ impl Search<'_> {
     }
 }
 
-/// log10 of the probability below which a cause is named in these recordings.
+/// log10 of the probability below which a cause is named in recordings of such a rate.
 fn named_below(identification: &Identification) -> f64 {
     let slowest = identification.main.iter().map(|p| p.filtered.recording.sample_rate_hz).fold(f64::INFINITY, f64::min);
     let is_low = identification.setup().settings.signal.cutoff_hz > LOW_RATE * slowest;
