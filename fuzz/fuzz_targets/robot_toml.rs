@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use thetahat::{dynamics::Model, Robot};
+use thetahat_model::{dynamics::Model, robot::Robot};
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let Ok(text) = std::str::from_utf8(bytes) else { return };

@@ -245,7 +245,7 @@ impl Matrix {
     /// Joins matrices with the same number of rows horizontally.
     #[must_use]
     pub fn side_by_side(parts: &[&Self]) -> Self {
-        let values = parts.iter().flat_map(|part| &part.values).copied().collect();
+        let values = parts.iter().map(|part| part.values.as_slice()).collect::<Vec<_>>().concat();
         let columns = parts.iter().map(|part| part.columns).sum();
         Self { rows: parts.first().map_or(0, |part| part.rows), columns, values }
     }

@@ -7,7 +7,7 @@ use thetahat_ground::series::Series;
 use super::design::SecondOrderSections;
 use super::error::SignalError;
 use super::forward_backward::Kept;
-use super::join::{Joined, filter_and_keep};
+use super::join::{Joined, filter_and_keep, pieces};
 use super::pieces::{DecimatedPiece, Extension, PiecePass, Record};
 use super::pole_sums::PoleSums;
 use super::zero_phase::{Padding, zero_phase};
@@ -43,8 +43,8 @@ pub struct Decimator {
     filter: Option<ParallelFilter>,
     /// Samples that are left out.
     gaps: Vec<Range<usize>>,
-    /// Row indices that are kept, among the rows of a recording without gaps; empty without gaps.
-    rows: Vec<usize>,
+    /// Row indices that are kept, among the rows of a recording without gaps; none if all are.
+    rows: Option<Vec<usize>>,
     extension: Extension,
 }
 
@@ -70,7 +70,7 @@ impl Decimator {
         }
         let kept = Kept { first: (samples - 1) % factor, step: factor };
         let (filter, extension) = (low_pass(factor)?, Extension::Odd(Padding::Matlab.samples(ORDER)));
-        Ok(Self { samples, kept, filter, gaps: Vec::new(), rows: Vec::new(), extension })
+        Ok(Self { samples, kept, filter, gaps: Vec::new(), rows: None, extension })
     }
 
     /// The decimation with some samples left out, in rising ranges. Within such a range every channel continues at the mean of its last
@@ -80,8 +80,7 @@ impl Decimator {
         let is_used =
             |k: &usize| !gaps.get(gaps.partition_point(|gap| gap.end <= *k)).is_some_and(|gap| gap.contains(k));
         let kept = self.kept.indices(self.samples).enumerate();
-        let rows =
-            if gaps.is_empty() { Vec::new() } else { kept.filter(|(_, k)| is_used(k)).map(|(row, _)| row).collect() };
+        let rows = (!gaps.is_empty()).then(|| kept.filter(|(_, k)| is_used(k)).map(|(row, _)| row).collect());
         Self { gaps: gaps.to_vec(), rows, ..self }
     }
 
@@ -102,13 +101,13 @@ impl Decimator {
     /// The indices of the kept samples, rising; the last one is the recording's last, unless it is left out.
     pub fn kept(&self) -> impl Iterator<Item = usize> {
         let Kept { first, step } = self.kept;
-        (0..self.rows()).map(move |row| first + step * self.rows.get(row).copied().unwrap_or(row))
+        (0..self.rows()).map(move |row| first + step * self.rows.as_ref().map_or(row, |rows| rows[row]))
     }
 
     /// The number of kept samples, `ceil(samples / factor)` less those left out.
     #[must_use]
     pub fn rows(&self) -> usize {
-        if self.gaps.is_empty() { self.samples.div_ceil(self.kept.step) } else { self.rows.len() }
+        self.rows.as_ref().map_or_else(|| self.samples.div_ceil(self.kept.step), Vec::len)
     }
 
     /// The samples [`Self::kept`] of the filtered series.
@@ -131,15 +130,13 @@ impl Decimator {
         channels: usize,
         mut fill: impl FnMut(usize, &mut [f64]),
     ) -> Result<Series, SignalError> {
-        if self.gaps.is_empty() {
-            return Ok(self.all_rows(channels, fill));
-        }
+        let Some(rows) = &self.rows else { return Ok(self.all_rows(channels, fill)) };
         let mut bridge = Bridge::new(&self.gaps, channels, self.kept.step);
         let all = self.all_rows(channels, |k, sample| {
             fill(k, sample);
             bridge.pass(k, sample);
         });
-        let values = self.rows.iter().flat_map(|&row| all.sample(row)).copied().collect();
+        let values = rows.iter().flat_map(|&row| all.sample(row)).copied().collect();
         Ok(Series::shaped(channels, values))
     }
 
@@ -157,10 +154,7 @@ impl Decimator {
     /// Ranges of at least `rows` rows, which can be decimated one by one. The recording must have no samples that are left out.
     #[must_use]
     pub fn pieces(&self, rows: usize) -> Vec<Range<usize>> {
-        let rows = rows.max(Padding::Matlab.samples(ORDER) + 1);
-        let count = (self.rows() / rows).max(1);
-        let end = |piece: usize| if piece + 1 == count { self.rows() } else { (piece + 1) * rows };
-        (0..count).map(|piece| piece * rows..end(piece)).collect()
+        pieces(self.rows(), rows.max(Padding::Matlab.samples(ORDER) + 1))
     }
 
     /// The samples of a piece: from the sample after the last kept one of the piece before, to its own last kept one.
@@ -343,6 +337,22 @@ mod tests {
             for (j, w) in joined.iter().zip(whole.values()) {
                 assert!((j - w).abs() < 1e-12 * w.abs(), "factor {factor}, pieces of {rows}: {j} {w}");
             }
+        }
+        Ok(())
+    }
+
+    /// A recording of more rows than are one piece, and the same as one piece.
+    #[test]
+    fn a_long_recording_in_pieces_is_the_whole() -> Result<(), SignalError> {
+        for extension in [Decimator::new(3, 30_001)?, Decimator::new(3, 30_001)?.with_zero_padding()] {
+            let value = |k: usize| 50.0 + (k as f64 * 0.037).sin() + ((k * k) % 17) as f64;
+            let series = Series::shaped(2, (0..60_002).map(value).collect());
+            let all = 0..extension.rows();
+            let one = extension.decimate_piece(all, 2, |k, sample| sample.copy_from_slice(series.sample(k)))?;
+            let one: Vec<f64> = extension.joiner().take(one).into_iter().flat_map(Series::into_values).collect();
+            let found = extension.decimate(&series)?;
+            assert_eq!((found.len(), found.values().len()), (10_001, one.len()));
+            assert!(one.iter().zip(found.values()).all(|(a, b)| (a - b).abs() < 1e-12 * a.abs()));
         }
         Ok(())
     }

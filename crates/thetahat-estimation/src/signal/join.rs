@@ -3,7 +3,7 @@
 //! The samples before and after a piece add `c_j p_j^m` times the sums at its ends, m samples away, to its kept samples. All samples before
 //! it count; samples after it count while `p_j^m` is not negligible.
 
-use std::collections::VecDeque;
+use std::{collections::VecDeque, ops::Range};
 
 use super::forward_backward::Kept;
 use super::pieces::{DecimatedPiece, PiecePass, Record, Tail};
@@ -13,18 +13,41 @@ use thetahat_ground::series::Series;
 /// Powers of a pole below this count as zero: their contribution is below the rounding of a sum.
 const NEGLIGIBLE: f64 = 1e-20;
 
-/// The kept samples of a recording, filtered as by [`forward_backward`](super::forward_backward::forward_backward), with the recording as
-/// one piece. `fill` writes the channels of each sample in order.
+/// Rows up to which a recording is one piece, and rows of each piece of a longer one: the sums of a piece take sixteen times the memory of
+/// its rows.
+const ROWS_OF_ONE_PIECE: usize = 8192;
+const ROWS_OF_PIECE: usize = 1024;
+
+/// The kept samples of a recording, filtered as by [`forward_backward`](super::forward_backward::forward_backward). `fill` writes the
+/// channels of each sample in order.
 pub(super) fn filter_and_keep(
     sums: &PoleSums,
     record: Record,
     kept: Kept,
-    fill: impl FnMut(usize, &mut [f64]),
+    mut fill: impl FnMut(usize, &mut [f64]),
 ) -> Series {
     let rows = kept.indices(record.samples).count();
     let mut joined = Joined::new(sums, rows);
-    let finished = joined.take(PiecePass::new(sums, record, kept, fill).run(0..rows));
-    finished.into_iter().next().unwrap_or_else(|| Series::zeros(0, record.channels))
+    let mut finished: Vec<Series> = Vec::new();
+    for piece in pieces(rows, if rows > ROWS_OF_ONE_PIECE { ROWS_OF_PIECE } else { rows }) {
+        finished.extend(joined.take(PiecePass::new(sums, record, kept, &mut fill).run(piece)));
+    }
+    joined_rows(record.channels, finished)
+}
+
+/// Pieces one after the other.
+fn joined_rows(channels: usize, mut pieces: Vec<Series>) -> Series {
+    match pieces.len() {
+        1 => pieces.remove(0),
+        _ => Series::shaped(channels, pieces.into_iter().flat_map(Series::into_values).collect()),
+    }
+}
+
+/// Ranges of at least so many rows.
+pub(super) fn pieces(all: usize, rows: usize) -> Vec<Range<usize>> {
+    let count = (all / rows.max(1)).max(1);
+    let end = |piece: usize| if piece + 1 == count { all } else { (piece + 1) * rows };
+    (0..count).map(|piece| piece * rows..end(piece)).collect()
 }
 
 /// Joins the pieces of a recording into rows.

@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use crate::trajectory::{FourierSeries, Moves};
 use thetahat_ground::series::Series;
 
@@ -52,9 +54,9 @@ impl PeriodicReference {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampledReference {
     sample_rate_hz: f64,
-    q: Series,
-    dq: Series,
-    ddq: Series,
+    q: Arc<Series>,
+    dq: Arc<Series>,
+    ddq: Arc<Series>,
 }
 
 impl SampledReference {
@@ -63,7 +65,7 @@ impl SampledReference {
     pub fn new(q: Series, sample_rate_hz: f64) -> Self {
         let dq = crate::signal::central_difference(&q, sample_rate_hz);
         let ddq = crate::signal::central_difference(&dq, sample_rate_hz);
-        Self { sample_rate_hz, q, dq, ddq }
+        Self { sample_rate_hz, q: Arc::new(q), dq: Arc::new(dq), ddq: Arc::new(ddq) }
     }
 
     fn evaluate(&self, t: f64, q: &mut [f64], dq: &mut [f64], ddq: &mut [f64]) {
@@ -205,15 +207,28 @@ impl Reference {
     }
 }
 
-fn mapped(series: &Series, map: &dyn Fn(&[f64]) -> Vec<f64>) -> Series {
+/// The series of what each sample becomes; the same one where no sample changes.
+fn mapped(series: &Arc<Series>, map: &dyn Fn(&[f64]) -> Vec<f64>) -> Arc<Series> {
+    if (0..series.len()).all(|k| map(series.sample(k)) == series.sample(k)) {
+        return series.clone();
+    }
     let values: Vec<f64> = (0..series.len()).flat_map(|k| map(series.sample(k))).collect();
-    Series::shaped((values.len() / series.len().max(1)).max(1), values)
+    Arc::new(Series::shaped((values.len() / series.len().max(1)).max(1), values))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::trajectory::{LowPass, find_periodic};
+
+    /// A long reference takes the memory of one, where motors are joints.
+    #[test]
+    fn a_reference_that_does_not_change_is_not_copied() {
+        let series = Arc::new(Series::shaped(2, (0..20).map(f64::from).collect()));
+        assert!(Arc::ptr_eq(&mapped(&series, &|q| q.to_vec()), &series));
+        let doubled = mapped(&series, &|q| q.iter().map(|v| 2.0 * v).collect());
+        assert_eq!((doubled.channels(), doubled.sample(9)), (2, &[36.0, 38.0][..]));
+    }
 
     /// Between the samples of a sine: errors of the position fall with the fourth power of the step, its rates are slopes.
     #[test]

@@ -107,8 +107,6 @@ struct Bounded<'a> {
 impl Bounded<'_> {
     fn biases(&self, mut directions: Vec<Direction>) -> Result<Vec<HiddenBias>, EstimationError> {
         let MethodEstimate { method, regression, outcome } = self.estimated;
-        let z = outcome.instruments.as_ref();
-        let influence = method.influence(regression, z)?;
         let sizes = loop {
             match self.sizes(&directions) {
                 // What the parameters can imitate in full leaves no residual that would bound it.
@@ -123,6 +121,7 @@ impl Bounded<'_> {
                 sizes => break sizes?,
             }
         };
+        let influence = method.influence(regression, outcome.instruments.as_ref())?;
         let bias = |(direction, size): (&Direction, &[f64; 2])| {
             self.bias(direction, *size, &influence.transpose_times(&direction.torque))
         };

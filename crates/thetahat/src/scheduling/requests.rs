@@ -5,7 +5,7 @@ use thetahat_estimation::{
     identification::SimulatedResponse,
     simulation::{Job, SimulatedMotion, SimulationError, simulate_all},
 };
-use thetahat_ground::{linear_algebra::Matrix, pool::in_parallel};
+use thetahat_ground::{linear_algebra::Matrix, pool::in_parallel, series::Series};
 
 /// What a simulation gave.
 #[derive(Debug, Clone)]
@@ -92,7 +92,8 @@ fn simulate_in_lanes(requests: &[&Request<'_>], threads: usize) -> Vec<Result<Si
     let mut all = in_parallel(groups.len(), threads, |g| simulate_all(groups[g])).into_iter().flatten();
     let of_request = |k: usize| {
         let found = all.by_ref().take(counts[k]).collect();
-        requests[k].simulator.whole_motions(&resolved[k], found)
+        let motions = requests[k].simulator.whole_motions(&resolved[k], found)?;
+        Ok(if requests[k].output == Output::Instruments { without_torques(motions) } else { motions })
     };
     let motions: Vec<Result<Vec<SimulatedMotion>, SimulationError>> = (0..requests.len()).map(of_request).collect();
     let instruments = |k: usize| match &motions[k] {
@@ -106,4 +107,10 @@ fn simulate_in_lanes(requests: &[&Request<'_>], threads: usize) -> Vec<Result<Si
         None => Result::map(motions, Simulated::Motions),
     };
     results.map(result).collect()
+}
+
+/// What instruments are made of: torques of long recordings would take a quarter of the memory.
+fn without_torques(mut motions: Vec<SimulatedMotion>) -> Vec<SimulatedMotion> {
+    motions.iter_mut().for_each(|motion| motion.tau = Series::zeros(0, motion.tau.channels()));
+    motions
 }
