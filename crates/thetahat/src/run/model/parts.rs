@@ -78,7 +78,9 @@ mod tests {
 
     #[test]
     fn a_motion_that_repeats_has_the_same_part_in_each_period() {
-        let parts = RowParts::new(places((0..40).map(|k| f64::from(k) / 20.0), Some(1.0)), 0);
+        // No row lies on a border, where rounding decides.
+        let times_s = (0..40).map(|k| (f64::from(k) + 0.3) / 20.0);
+        let parts = RowParts::new(places(times_s, Some(1.0)), 0);
         let [first, second] = [0, 20].map(|from| (from..from + 20).map(|k| parts.of_row(k)).collect::<Vec<_>>());
         assert_eq!(first, second);
     }

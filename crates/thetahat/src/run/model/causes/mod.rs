@@ -6,12 +6,14 @@
 
 mod cause;
 mod residual;
+mod tested_rows;
 mod torques;
 
 use super::rows::ModelRows;
 use crate::{preparation::Problem, run::identification::Identification};
 use cause::Cause;
 use residual::{Evidence, Residual};
+use tested_rows::TestedRows;
 use thetahat_ground::pool::in_parallel;
 use thetahat_model::dynamics::Sign;
 use thetahat_report::results::{CauseKind, ModelCause, MovedParameter, SmallestShown};
@@ -72,24 +74,28 @@ pub(super) fn causes(
     friction: FrictionEvidence,
 ) -> FoundCauses {
     let sign = Sign::Smooth { scale: transition };
-    let Some(torques) = Torques::new(identification, problem, rows, standard, sign) else {
+    let tested = TestedRows::new(rows);
+    let Some(torques) = Torques::new(identification, problem, &tested, standard, sign) else {
         return FoundCauses::default();
     };
     let candidates = torques.causes(identification.threads);
     let late = candidates.iter().position(|c| c.kind == CauseKind::LateTorque);
     // A delay shows where the torque changes: at reversals, which all others leave out. Its size is too small where the position
     // filter rings at rests: the check of lags measures it better.
-    let of_delay = late.and_then(|late| Residual::new(rows, deviations, &[], vec![candidates[late].clone()]));
-    let Some(residual) = Residual::new(rows, deviations, turning, candidates) else {
+    let of_delay = late.and_then(|late| Residual::new(&tested.rows, deviations, &[], vec![candidates[late].clone()]));
+    let Some(residual) = Residual::new(&tested.rows, deviations, &tested.select(turning.to_vec()), candidates) else {
         return FoundCauses::default();
     };
     let threads = identification.threads;
-    let more_rows = (rows.rows_of_joint() as f64 / ROWS).max(1.0);
+    let more_rows = (tested.rows.rows_of_joint() as f64 / ROWS).max(1.0);
     let named_below = named_below(identification) * more_rows.sqrt();
     let named_by_filtered = named_below.min(NAMED_BY_FILTERED * more_rows);
     let (put_in, named) = (Vec::new(), Vec::new());
-    let mut search = Search { residual, problem, threads, named_below, named_by_filtered, friction, put_in, named };
-    let delay = late.zip(of_delay).and_then(|(late, of_delay)| search.put_in_delay(late, &of_delay));
+    let finer = (tested.step as f64).sqrt();
+    let mut search =
+        Search { residual, problem, finer, threads, named_below, named_by_filtered, friction, put_in, named };
+    let is_late = late.zip(of_delay).is_some_and(|(late, of_delay)| search.put_in_delay(late, &of_delay));
+    let delay = if is_late { torques.delay() } else { None };
     while search.named.len() < MOST && search.put_in_strongest() {}
     let Search { residual, mut named, put_in, .. } = search;
     named.sort_by(|a, b| a.log10_probability.total_cmp(&b.log10_probability));
@@ -102,6 +108,8 @@ pub(super) fn causes(
 struct Search<'a> {
     residual: Residual,
     problem: &'a Problem,
+    /// Deviations in the tested rows over those in all of them.
+    finer: f64,
     threads: usize,
     /// log10 of the probability below which a cause is named.
     named_below: f64,
@@ -113,15 +121,16 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Puts the delay in if rows of its own show it, and gives its column.
-    fn put_in_delay(&mut self, late: usize, of_delay: &Residual) -> Option<Vec<f64>> {
+    /// Puts the delay in if rows of its own show it.
+    fn put_in_delay(&mut self, late: usize, of_delay: &Residual) -> bool {
         self.put_in.push(late);
-        let found = of_delay.test(0).filter(|found| found.log10_p < self.named_below)?;
-        let moved = moved(of_delay, self.problem, 0, &found);
+        let found = of_delay.test(0).filter(|found| found.log10_p < self.named_below);
+        let Some(found) = found else { return false };
+        let moved = self.moved(of_delay, 0, &found);
         let cause = &of_delay.candidates[0].cause;
         self.named.push(ModelCause { moved, ..found.named(cause, Vec::new()) });
         self.residual.put_in(late);
-        cause.columns.first().cloned()
+        true
     }
 
     /// Puts the strongest cause in, with the name of others that it explains away; false if none is left.
@@ -131,7 +140,7 @@ impl Search<'_> {
         let shown = (0..found.len()).filter_map(|k| Some((k, log10_p(k)?)));
         let Some((best, strongest)) = shown.min_by(|a, b| a.1.total_cmp(&b.1)) else { return false };
         let is_rival = |k: &usize| self.is_other(*k, best) && log10_p(*k).is_some_and(|p| p < RIVAL * strongest);
-        let moved = |k: usize, found: &Evidence| moved(&self.residual, self.problem, k, found);
+        let moved = |k: usize, found: &Evidence| self.moved(&self.residual, k, found);
         let rivals: Vec<(usize, Vec<MovedParameter>)> =
             (0..found.len()).filter(is_rival).filter_map(|k| Some((k, moved(k, found[k].as_ref()?)))).collect();
         let Some(strongest) = &found[best] else { return false };
@@ -155,6 +164,18 @@ impl Search<'_> {
             found.filter(|f| self.residual.candidates[k].cause.is_plausible(f))
         };
         in_parallel(self.residual.candidates.len(), self.threads, test)
+    }
+
+    /// The base parameters that a cause moved, in their deviations of all rows.
+    fn moved(&self, residual: &Residual, candidate: usize, found: &Evidence) -> Vec<MovedParameter> {
+        let shifts = residual.shifts(candidate, found).into_iter().map(|deviations| self.finer * deviations);
+        let parameters = self.problem.base.parameters().iter().zip(shifts);
+        let mut moved: Vec<MovedParameter> = parameters
+            .filter(|(_, deviations)| deviations.abs() > MOVED)
+            .map(|(p, deviations)| MovedParameter { parameter: p.name.clone(), deviations })
+            .collect();
+        sort_by_distance(&mut moved);
+        moved
     }
 
     fn named_below_of(&self, k: usize) -> f64 {
@@ -261,18 +282,6 @@ impl Cause {
             | CauseKind::Payload => true,
         }
     }
-}
-
-/// The base parameters that a cause moved, in their deviations.
-fn moved(residual: &Residual, problem: &Problem, candidate: usize, found: &Evidence) -> Vec<MovedParameter> {
-    let shifts = residual.shifts(candidate, found);
-    let parameters = problem.base.parameters().iter().zip(shifts);
-    let mut moved: Vec<MovedParameter> = parameters
-        .filter(|(_, deviations)| deviations.abs() > MOVED)
-        .map(|(p, deviations)| MovedParameter { parameter: p.name.clone(), deviations })
-        .collect();
-    sort_by_distance(&mut moved);
-    moved
 }
 
 /// Each parameter with the larger of two shifts: the recordings do not say which of two rivals moved it.

@@ -1,9 +1,9 @@
 //! The derivatives of the predicted torque by what can be wrong.
 
-use super::cause::Cause;
+use super::{cause::Cause, tested_rows::TestedRows};
 use crate::{
     preparation::{FilteredRecording, Problem},
-    run::{identification::Identification, model::rows::ModelRows},
+    run::identification::Identification,
 };
 use thetahat_estimation::{
     identification::Assembly,
@@ -48,7 +48,7 @@ enum Tried {
 pub(super) struct Torques<'a> {
     identification: &'a Identification,
     problem: &'a Problem,
-    rows: &'a ModelRows,
+    tested: &'a TestedRows<'a>,
     standard: &'a [f64],
     sign: Sign,
     robot: &'a Robot,
@@ -60,12 +60,12 @@ impl<'a> Torques<'a> {
     pub(super) fn new(
         identification: &'a Identification,
         problem: &'a Problem,
-        rows: &'a ModelRows,
+        tested: &'a TestedRows<'a>,
         standard: &'a [f64],
         sign: Sign,
     ) -> Option<Self> {
         let robot = identification.setup().robot;
-        let mut torques = Self { identification, problem, rows, standard, sign, robot, predicted: Vec::new() };
+        let mut torques = Self { identification, problem, tested, standard, sign, robot, predicted: Vec::new() };
         let predicted = |r: &FilteredRecording| torques.of(&torques.problem.model, standard, &r.motion, r);
         torques.predicted = torques.recordings().map(predicted).collect::<Option<Vec<_>>>()?;
         Some(torques)
@@ -96,14 +96,19 @@ impl<'a> Torques<'a> {
         Some(torque)
     }
 
-    /// A column in the rows of the model, from the torques of each recording.
+    /// A column in the tested rows, from the torques of each recording.
     fn column(&self, torques: Vec<Series>) -> Option<Vec<f64>> {
+        Some(self.tested.select(self.column_of_all(&torques)?))
+    }
+
+    /// The same in all rows.
+    fn column_of_all(&self, torques: &[Series]) -> Option<Vec<f64>> {
         let mut parts = Vec::new();
-        for (torque, decimator) in torques.iter().zip(&self.rows.decimators) {
+        for (torque, decimator) in torques.iter().zip(&self.tested.all.decimators) {
             let assembly = Assembly::new(&self.problem.model, &[], decimator.clone());
             parts.push(assembly.measurement_vector(torque).ok()?);
         }
-        Some(self.rows.layout.stack_vectors(parts))
+        Some(self.tested.all.layout.stack_vectors(parts))
     }
 
     /// The column of torques that `changed` gives, as a difference over a step.
@@ -194,12 +199,21 @@ impl<'a> Torques<'a> {
 
     /// Torques that are d late are `tau - d dtau/dt`, by the slope of the predicted torque, which has no noise.
     fn slope(&self, torques: &[Series]) -> Option<Vec<f64>> {
+        self.column(self.slopes(torques))
+    }
+
+    /// The column of late torques in all rows.
+    pub(super) fn delay(&self) -> Option<Vec<f64>> {
+        self.column_of_all(&self.slopes(&self.predicted))
+    }
+
+    fn slopes(&self, torques: &[Series]) -> Vec<Series> {
         let slopes = self.recordings().zip(torques).map(|(recording, torque)| {
             let mut slope = Derivative::Central.of(torque, recording.recording.sample_rate_hz);
             slope.values_mut().iter_mut().for_each(|v| *v = -*v);
             slope
         });
-        self.column(slopes.collect())
+        slopes.collect()
     }
 
     /// The predicted torques without the noise that the loop brings into both the motion and the torques.
@@ -396,13 +410,13 @@ impl<'a> Torques<'a> {
         let Some(body) = indices.map(unit).collect::<Option<Vec<_>>>() else { return Vec::new() };
         let offset = |joint: usize| self.each(|_, _, j| if j == joint { 1.0 } else { 0.0 });
         let Some(offsets) = (0..self.joints()).map(offset).collect::<Option<Vec<_>>>() else { return Vec::new() };
-        let per_joint = self.rows.rows_of_joint();
+        let per_joint = self.tested.rows.rows_of_joint();
         let from = |instant: usize, kind: CauseKind, units: &[Vec<f64>]| {
             let start = per_joint * (instant + 2) / (INSTANTS + 3);
             let after = |unit: &Vec<f64>| {
                 unit.iter().enumerate().map(|(k, v)| if k % per_joint < start { 0.0 } else { *v }).collect()
             };
-            let sample = self.rows.decimators[0].kept().nth(start).unwrap_or_default();
+            let sample = self.tested.all.decimators[0].kept().nth(start * self.tested.step).unwrap_or_default();
             let time_s = recording.start_s() + sample as f64 / recording.recording.sample_rate_hz;
             let columns = units.iter().map(after).collect();
             let subject = format!("at {time_s:.1} s");
