@@ -340,9 +340,13 @@ impl ModelHeader {
         let has_parts = self.squared_velocities.iter().all(|of| of.len() == STRETCHES.len() * FOLDS);
         let is_part = |part: &Option<u8>| part.is_none_or(|part| usize::from(part) < FOLDS);
         let is_cell = |cell: &CellHeader| cell.joint < joints && cell.parts.iter().all(is_part);
-        let is_settled = |rows: &SettledHeader| rows.joint < joints && rows.stretch < MOST_SEGMENTS;
+        let is_settled =
+            |rows: &SettledHeader| rows.joint < joints && rows.stretch < MOST_SEGMENTS && rows.rows <= self.rows;
+        let rows_of =
+            |joint: usize| total_of(self.cells.iter().filter(|cell| cell.joint == joint).map(|cell| Some(cell.rows)));
+        let has_all_rows = (0..joints).all(|joint| rows_of(joint) == Some(self.rows));
         let are_valid = self.cells.iter().all(is_cell) && self.settled.iter().all(is_settled);
-        if !is_of_joints || !has_parts || !are_valid || self.span != span(self.rows) {
+        if !is_of_joints || !has_parts || !are_valid || !has_all_rows || self.span != span(self.rows) {
             return None;
         }
         let of_rows =

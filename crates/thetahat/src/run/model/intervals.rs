@@ -29,8 +29,9 @@ impl<'a> Intervals<'a> {
 
     /// The same from triangular factors of these rows, by the scores of the stretches of time.
     pub(super) fn of_stretches(settled: &Regression, runs: &'a [RunResult]) -> Self {
-        let of_rows = intervals_of(settled.clone(), |regression, fit| {
-            uncertainty_of_stretches(regression, None, &fit.theta).ok()
+        let with_rows = (!settled.y.is_empty()).then(|| settled.clone());
+        let of_rows = with_rows.and_then(|settled| {
+            intervals_of(settled, |regression, fit| uncertainty_of_stretches(regression, None, &fit.theta).ok())
         });
         Self { of_rows: of_rows.unwrap_or_default(), run: free_run(runs) }
     }

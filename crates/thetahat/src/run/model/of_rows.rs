@@ -1,5 +1,7 @@
 //! Rows in the order of time to the factors from which the model is chosen.
 
+use std::ops::Range;
+
 use super::{
     columns::ModelColumns,
     factors::{ModelCollector, ModelFactors, Slow, near_rest_limits},
@@ -13,6 +15,9 @@ use crate::{
 };
 use thetahat_estimation::signal::Decimator;
 use thetahat_ground::linear_algebra::Matrix;
+
+/// Rows of a joint that are taken at once: of a short recording all.
+const ROWS_OF_PIECE: usize = 8192;
 
 /// What the model is chosen from, of rows for each transition.
 pub(super) fn data_of_rows(
@@ -43,8 +48,9 @@ fn factors_of(
     let slow = Slow { near_rest, transitions: rows.iter().map(|(transition, _)| *transition).collect() };
     let mut collector = ModelCollector::new(columns.clone(), (parts, decimator.rows()), slow, None);
     decimator.kept().for_each(|k| collector.take_velocities(prepared.filtered.motion.dq.sample(k)));
-    let of_joint = |joint: usize| {
-        let block = first.layout.block(joint, number);
+    let of_joint = |joint: usize, piece: &Range<usize>| {
+        let start = first.layout.block(joint, number).start;
+        let block = start + piece.start..start + piece.end;
         let mut values = Vec::with_capacity(block.len() * columns.count(joint));
         for (transition, column) in columns.of_joint(joint) {
             values.extend_from_slice(&rows[transition].1.x.column(column)[block.clone()]);
@@ -52,7 +58,10 @@ fn factors_of(
         values.extend_from_slice(&first.y[block.clone()]);
         Matrix::from_columns(block.len(), values)
     };
-    collector.take(&(0..columns.joints()).map(of_joint).collect::<Vec<_>>());
+    let count = decimator.rows();
+    for piece in (0..count).step_by(ROWS_OF_PIECE).map(|start| start..(start + ROWS_OF_PIECE).min(count)) {
+        collector.take(&(0..columns.joints()).map(|joint| of_joint(joint, &piece)).collect::<Vec<_>>());
+    }
     collector.finish(prepared.filtered.motion.q.means())
 }
 

@@ -34,6 +34,8 @@ const NAMED_BY_FILTERED: f64 = -8.0;
 const ROWS: f64 = 300.0;
 /// log10 of the probability above which a cause no longer shows once another is put in.
 const GONE: f64 = -3.0;
+/// The least log10 of a probability that is written.
+const LEAST: f64 = -300.0;
 /// Part of the strongest cause's evidence from which another counts as its rival.
 const RIVAL: f64 = 0.6;
 /// Causes that are put in at most.
@@ -225,11 +227,14 @@ fn smallest_shown(residual: &Residual, candidate: usize, named_below: f64) -> Op
     let size = residual.size_beyond(residual.column(candidate), named_below, 1)?;
     let with_others = residual.column_with_others(candidate);
     let with_others = with_others.and_then(|(column, count)| residual.size_beyond(&column, named_below, count));
-    (size < LARGEST).then(|| SmallestShown {
+    let is_gain = cause.kind == CauseKind::DriveGain;
+    let largest = if is_gain { LARGEST_GAIN } else { LARGEST };
+    let of_cause = |size: f64| if is_gain { of_recorded([size, 0.0])[0] } else { size };
+    (size < largest).then(|| SmallestShown {
         kind: cause.kind,
         subject: cause.subject.clone(),
-        size,
-        size_with_others: with_others.filter(|size| *size < LARGEST),
+        size: of_cause(size),
+        size_with_others: with_others.filter(|size| *size < largest).map(of_cause),
         unit: cause.unit.to_owned(),
     })
 }
@@ -241,7 +246,7 @@ impl Evidence {
         ModelCause {
             kind: cause.kind,
             subject: cause.subject.clone(),
-            log10_probability: self.log10_p,
+            log10_probability: self.log10_p.max(LEAST),
             size: size.map(|s| s[0]),
             standard_deviation: size.map(|s| s[1]),
             unit: cause.unit.to_owned(),

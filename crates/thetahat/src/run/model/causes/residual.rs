@@ -1,6 +1,9 @@
 //! The whitened residual of free estimates, and what further columns explain of it.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF};
+use statrs::{
+    distribution::{ChiSquared, ContinuousCDF},
+    function::gamma::ln_gamma,
+};
 
 use super::cause::Cause;
 use crate::run::model::{deviations::long_run_deviation, rows::ModelRows};
@@ -19,8 +22,10 @@ const STRONG: f64 = 0.3;
 const MOST_HIDDEN: f64 = 10.0;
 /// Halvings between the two.
 const HALVINGS: usize = 30;
-/// The least probability that is distinguished from zero.
+/// Probability below which that of chi-squared is computed by the first term of its tail.
 const LEAST: f64 = 1e-300;
+/// Largest chi-squared that is looked for.
+const LARGEST: f64 = 1e6;
 
 pub(super) struct Residual {
     /// The columns that the motion separates, of all parameters, with their factor.
@@ -60,6 +65,7 @@ impl Residual {
     /// before, and on how well the reversal is sampled.
     pub(super) fn new(rows: &ModelRows, deviations: &[f64], left_out: &[bool], causes: Vec<Cause>) -> Option<Self> {
         let mut scale: Vec<f64> = rows.layout.spread(|block| 1.0 / deviations[block.joint]);
+        scale.iter_mut().zip(&rows.weights).for_each(|(s, weight)| *s *= weight);
         scale.iter_mut().zip(left_out).filter(|(_, out)| **out).for_each(|(s, _)| *s = 0.0);
         let x = rows.x.scale_rows(&scale);
         let (separated, factor) = separated(&x);
@@ -97,7 +103,7 @@ impl Residual {
         let basis = leading(&factor, rank);
         let along = basis.transpose_times(&self.rest);
         let statistic = dot(&along, &along);
-        let log10_p = ChiSquared::new(rank as f64).ok()?.sf(statistic).max(LEAST).log10();
+        let log10_p = log10_tail(statistic, rank)?;
         let is_full = rank == cause.columns.len();
         let coefficients = if is_full { factor.solve(&self.rest) } else { Vec::new() };
         let size = match cause.columns.len() {
@@ -116,7 +122,7 @@ impl Residual {
         }
         let size = dot(z, &self.rest) / along;
         let deviation = length / along;
-        let log10_p = ChiSquared::new(1.0).ok()?.sf((size / deviation).powi(2)).max(LEAST).log10();
+        let log10_p = log10_tail((size / deviation).powi(2), 1)?;
         let error_percent = 100.0 * size.abs() * norm(column) / self.torque;
         let evidence = Evidence { log10_p, size: Some([size, deviation]), coefficients: vec![size], error_percent };
         size.is_finite().then_some(evidence)
@@ -212,8 +218,23 @@ fn separated(x: &Matrix) -> (Vec<usize>, PivotedQr) {
 /// Size, in deviations, of an error whose evidence in `count` columns has a probability of less than `log10_p` by chance in
 /// one of two recordings.
 fn deviations_beyond(log10_p: f64, count: usize) -> f64 {
-    let quantile = ChiSquared::new(count as f64).map_or(f64::NAN, |chi| chi.inverse_cdf(1.0 - 10f64.powf(log10_p)));
-    (quantile - (count as f64 - 1.0)).sqrt()
+    let (mut low, mut high) = (count as f64, LARGEST);
+    while high - low > 1e-9 * high {
+        let middle = 0.5 * (low + high);
+        if log10_tail(middle, count).is_some_and(|p| p > log10_p) { low = middle } else { high = middle }
+    }
+    (high - (count as f64 - 1.0)).sqrt()
+}
+
+/// log10 of the probability that chi-squared of so many degrees of freedom is larger, however small it is.
+fn log10_tail(chi_squared: f64, freedom: usize) -> Option<f64> {
+    let p = ChiSquared::new(freedom as f64).ok()?.sf(chi_squared);
+    if p > LEAST {
+        return Some(p.log10());
+    }
+    let half = 0.5 * chi_squared;
+    let shape = 0.5 * freedom as f64;
+    Some(((shape - 1.0) * half.ln() - half - ln_gamma(shape)) / std::f64::consts::LN_10)
 }
 
 /// The first orthonormal columns of a factorisation.
@@ -257,6 +278,20 @@ mod tests {
         let layout = RowLayout::new(1, &[ROWS]);
         let rows = ModelRows { x, y, layout, decimators: Vec::new(), weights: vec![1.0; ROWS] };
         Residual::new(&rows, &[0.01], &[false; ROWS], causes).unwrap()
+    }
+
+    /// The quantile and the tail undo each other, and the tail goes on where the probability is no longer a number.
+    #[test]
+    fn probabilities_of_any_size_have_their_quantile() {
+        for count in [1, 6, 40] {
+            for log10_p in [-3.0, -5.0, -30.0, -290.0, -310.0, -2000.0] {
+                let beyond = deviations_beyond(log10_p, count);
+                let chi_squared = beyond * beyond + (count as f64 - 1.0);
+                assert!((log10_tail(chi_squared, count).unwrap() / log10_p - 1.0).abs() < 1e-3, "{count} {log10_p}");
+            }
+        }
+        // Five deviations of a normal number, two-sided.
+        assert!((log10_tail(25.0, 1).unwrap() - 5.733e-7_f64.log10()).abs() < 1e-3);
     }
 
     /// What a cause moves is known of the separated columns where others are not separated.
