@@ -4,6 +4,7 @@
 
 mod assertions;
 mod folder;
+mod legs;
 mod mcap;
 mod mjcf;
 mod program;
@@ -12,6 +13,7 @@ mod terms;
 
 pub use assertions::{assert_close, ensure, ensure_printed};
 pub use folder::Folder;
+pub use legs::TWO_LEGS;
 pub use mcap::{Cdr, mcap};
 pub use mjcf::users_mjcf;
 pub use program::{refused, run, shown, succeeded};

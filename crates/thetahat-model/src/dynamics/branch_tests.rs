@@ -5,37 +5,11 @@ use std::path::Path;
 use super::{DynamicParameters, Model, Sign};
 use crate::robot::{Parameter, Robot};
 use thetahat_ground::series::Series;
-
-/// Two legs of two joints each, which are numbered leg by leg; a motor of the second leg turns both of its joints.
-const LEGS: &str = "
-name = 'legs'
-[[joint]]
-name = 'left hip'
-kind = 'revolute'
-alpha_deg = 90
-[[joint]]
-name = 'right hip'
-kind = 'revolute'
-alpha_deg = -70
-b_m = 0.2
-[[joint]]
-name = 'left knee'
-kind = 'revolute'
-parent = 'left hip'
-a_m = 0.3
-alpha_deg = 20
-[[joint]]
-name = 'right knee'
-kind = 'revolute'
-parent = 'right hip'
-a_m = 0.25
-[transmission]
-matrix = [[2, 0, 0, 0], [0, -4, 0, 0], [0, 0, 3, 0], [0, 0, 1, 5]]
-";
+use thetahat_testing::TWO_LEGS;
 
 #[test]
 fn the_accelerations_of_branches_are_those_of_the_whole() {
-    let robot = Robot::parse(LEGS, Path::new("legs.toml")).unwrap();
+    let robot = Robot::parse(TWO_LEGS, Path::new("legs.toml")).unwrap();
     let whole = Model::new(&robot);
     let theta: Vec<f64> = whole.parameter_table().iter().enumerate().map(|(i, p)| value(i, p)).collect();
     let series = |part: &[usize], w: f64| {
