@@ -167,6 +167,13 @@ impl<'a> BufferedRegressor<'a> {
         Self { regressor, model, motion, sign, start: 0, phi: Vec::new() }
     }
 
+    /// Number of entries of a sample.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.regressor.entries().len()
+    }
+
     /// Writes the entries at sample `k`.
     pub fn write(&mut self, k: usize, entries: &mut [f64]) {
         let length = entries.len();

@@ -161,9 +161,12 @@ impl Regressor {
         workspace: &mut Workspace<T>,
         phi: &mut [T],
     ) {
-        model.propagate_motion(state, ddq, &mut workspace.links);
         let (inertial, drives) = phi.split_at_mut(self.inertial.len());
-        self.inertial.evaluate(model, workspace, inertial);
+        // Drives need the rates of their coordinates alone.
+        if !inertial.is_empty() {
+            model.propagate_motion(state, ddq, &mut workspace.links);
+            self.inertial.evaluate(model, workspace, inertial);
+        }
         for (value, entry) in drives.iter_mut().zip(&self.drives) {
             *value = entry.evaluate(model, state, ddq, sign);
         }

@@ -4,6 +4,7 @@ use std::{ops::Range, path::Path};
 
 use super::{
     error::ReductionError,
+    options::ReduceOptions,
     parts::{PartFindings, findings_of_parts},
     source::Source,
     value::{ComparedRecordings, RecordingFolds, ReducedRecording, Reduction},
@@ -14,6 +15,7 @@ use crate::{
     run::{ExaminationModel, PreparedRecording, compare, examine, frequency_hz},
 };
 use thetahat_estimation::checks::Finding;
+use thetahat_ground::pool::in_parallel;
 use thetahat_model::{base_parameters::BaseParameters, dynamics::Model};
 
 /// Samples of a recording up to which it is examined as a whole, and of each part of a longer one at the most.
@@ -56,6 +58,7 @@ pub(super) struct Examiner<'a> {
     estimated: BaseParameters,
     /// Whether short recordings are kept themselves.
     keeps_samples: bool,
+    threads: usize,
     /// Recordings that are compared; none once they are too long together, or one was not examined as a whole.
     prepared: Option<Vec<PreparedRecording>>,
 }
@@ -65,11 +68,12 @@ impl<'a> Examiner<'a> {
         experiment: &'a Experiment,
         model: &'a Model,
         base: &'a BaseParameters,
-        keeps_samples: bool,
+        options: ReduceOptions,
     ) -> Result<Self, ReductionError> {
         let basis = Basis { model: model.clone(), base: base.clone() };
         let estimated = experiment.setup().estimated(&basis).map_err(|e| experiment.refuse(e))?;
-        Ok(Self { experiment, model, base, estimated, keeps_samples, prepared: Some(Vec::new()) })
+        let (keeps_samples, threads) = (!options.rows_only, options.threads);
+        Ok(Self { experiment, model, base, estimated, keeps_samples, threads, prepared: Some(Vec::new()) })
     }
 
     /// A recording with the place `number`, from one, in the experiment; none if it is too long to be examined as a whole.
@@ -180,10 +184,9 @@ impl<'a> Examiner<'a> {
     fn examine_parts(&self, source: &Source<'_>, reduced: &ReducedRecording) -> Result<Examined, ReductionError> {
         let rate = source.sample_rate_hz;
         let [start, end] = reduced.window_s.map(|t| (t * rate).round() as usize);
-        let mut parts = Vec::new();
-        for own in parts_of(start..end) {
-            parts.extend(self.examine_part(source, own)?);
-        }
+        let own = parts_of(start..end);
+        let examined = in_parallel(own.len(), self.threads, |k| self.examine_part(source, own[k].clone()));
+        let parts: Vec<PartFindings> = examined.into_iter().filter_map(Result::transpose).collect::<Result<_, _>>()?;
         Ok(Examined { findings: findings_of_parts(&parts), parts: parts.len(), folds: None, samples: None })
     }
 

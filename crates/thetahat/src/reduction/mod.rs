@@ -55,6 +55,7 @@ mod information;
 mod instruments;
 mod model_rows;
 mod near_rest;
+mod options;
 mod overlap;
 mod part;
 mod parts;
@@ -75,9 +76,9 @@ pub use estimates::estimates_of_results;
 pub use factors::{JointRows, KeptRows, Segment};
 #[doc(hidden)]
 pub use identity::Identity;
+pub use options::{ReduceOptions, ReduceProgress};
 #[doc(hidden)]
 pub use overlap::Marks;
-pub use reduce::{ReduceOptions, ReduceProgress};
 pub use solve::{IntervalSource, Solution};
 #[doc(hidden)]
 pub use value::{ComparedRecordings, RecordingFolds};

@@ -12,8 +12,8 @@ use thetahat_estimation::signal::{DecimatedPiece, Decimator, Joiner, Motion, Sig
 use thetahat_ground::{linear_algebra::Matrix, series::Series};
 use thetahat_model::{
     base_parameters::BaseParameters,
-    dynamics::{Model, Sign, State, Workspace},
-    regressor::{Entry, Regressor},
+    dynamics::{Model, Sign},
+    regressor::{BufferedRegressor, Entry, Regressor},
 };
 
 /// Longest period of a motion that repeats, over the recording.
@@ -90,7 +90,6 @@ impl ModelRows {
         model: &Model,
         measured: MeasuredPiece<'_>,
         rows: Range<usize>,
-        workspace: &mut Workspace,
     ) -> Result<ModelPiece, SignalError> {
         let MeasuredPiece { motion, torque, first } = measured;
         let own = self.decimator.samples_of(&rows);
@@ -100,27 +99,32 @@ impl ModelRows {
         }
         let last_of = |row: usize| self.decimator.samples_of(&(row..row + 1)).end - 1 - own.start + first;
         let velocities = rows.clone().flat_map(|row| motion.dq.sample(last_of(row)).to_vec()).collect();
+        let mut entries = self.entries(model, motion);
         let decimated = self.decimator.decimate_piece(rows, self.channels(), |k, values| {
             let k = k - own.start + first;
-            let (entries, tau) = values.split_at_mut(self.torque());
-            self.write(model, (motion, k), entries, workspace);
-            tau.copy_from_slice(torque.sample(k));
+            let mut rest = values;
+            for of_transition in &mut entries {
+                let (own, after) = rest.split_at_mut(of_transition.count());
+                of_transition.write(k, own);
+                rest = after;
+            }
+            rest.copy_from_slice(torque.sample(k));
         })?;
         Ok(ModelPiece { decimated, velocities: Series::shaped(self.columns.joints(), velocities), positions })
     }
 
-    fn write(&self, model: &Model, (motion, k): (&Motion, usize), entries: &mut [f64], workspace: &mut Workspace) {
-        let state = || State::new(motion.q.sample(k), motion.dq.sample(k));
-        let ddq = motion.ddq.sample(k);
-        let (first, further) = entries.split_at_mut(self.first.entries().len());
-        self.first.evaluate(model, state(), ddq, Sign::Smooth { scale: self.transitions[0] }, workspace, first);
-        let changing = self.changing.entries().len();
-        if changing == 0 {
-            return;
-        }
-        for (scale, phi) in self.transitions[1..].iter().zip(further.chunks_exact_mut(changing)) {
-            self.changing.evaluate(model, state(), ddq, Sign::Smooth { scale: *scale }, workspace, phi);
-        }
+    /// The entries of each transition along a motion.
+    fn entries<'a>(&'a self, model: &'a Model, motion: &'a Motion) -> Vec<BufferedRegressor<'a>> {
+        let regressors = [&self.first].into_iter().chain(std::iter::repeat(&self.changing));
+        let of = |(scale, regressor): (&f64, &'a Regressor)| {
+            BufferedRegressor::new(
+                regressor,
+                model,
+                [&motion.q, &motion.dq, &motion.ddq],
+                Sign::Smooth { scale: *scale },
+            )
+        };
+        self.transitions.iter().zip(regressors).map(of).collect()
     }
 
     /// The channel of each column of each joint, and of its torque.

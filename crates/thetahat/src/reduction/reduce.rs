@@ -9,6 +9,7 @@ use super::{
     instruments::Simulated,
     model_rows::{ModelRows, ModelTaker},
     near_rest::NearRestMask,
+    options::{ReduceOptions, ReduceProgress},
     overlap::Marks,
     pieces::{Pieces, refuse},
     rows::{Channels, Piece, Rows},
@@ -28,38 +29,6 @@ use thetahat_model::{
     dynamics::{Jump, Model},
     regressor::Regressor,
 };
-
-/// How a recording is reduced. The numbers that come out are the same for any number of threads; another length of the
-/// pieces changes their last digits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ReduceOptions {
-    /// Pieces that are worked on at a time.
-    pub threads: usize,
-    /// Samples of one piece, about.
-    pub piece_samples: usize,
-    /// Whether rows alone are kept: of short recordings the samples are kept otherwise, from which [`Reduction::solve`]
-    /// estimates all that [`Experiment::run`] does.
-    pub rows_only: bool,
-}
-
-impl Default for ReduceOptions {
-    fn default() -> Self {
-        Self { threads: 1, piece_samples: 1 << 16, rows_only: false }
-    }
-}
-
-/// How far a reduction is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ReduceProgress {
-    /// The recording, from one.
-    pub recording: usize,
-    /// Recordings in all.
-    pub recordings: usize,
-    /// Pieces read, including the pass that looks for the moving part and for what counts as near rest.
-    pub done: usize,
-    /// Pieces to read; more than before where a joint hardly moves, so that the rows are made again.
-    pub to_do: usize,
-}
 
 impl Experiment {
     /// Reduces the recordings of the experiment to the factors from which LS estimates; no more than a few pieces of them
@@ -103,7 +72,7 @@ impl Experiment {
         let mut reducer = Reducer::new(self, &model, &base, options);
         reducer.theta = theta;
         let mut reduction = reducer.nothing_yet();
-        let mut examiner = Examiner::new(self, &model, &base, !options.rows_only)?;
+        let mut examiner = Examiner::new(self, &model, &base, options)?;
         let recordings = self.file.recording.len().max(1);
         for (i, description) in self.file.recording.iter().enumerate() {
             let source = Source::open(self, description, (i + 1, data), reducer.theta.is_some())?;

@@ -15,7 +15,7 @@ use thetahat_estimation::signal::{CentredHold, DecimatedPiece, Decimator, Motion
 use thetahat_ground::series::Series;
 use thetahat_model::{
     dynamics::{Model, Sign, State, Workspace},
-    regressor::Regressor,
+    regressor::{BufferedRegressor, Regressor},
 };
 
 /// What makes rows of the pieces of a window.
@@ -106,6 +106,8 @@ impl Rows<'_> {
         let mut workspace = Workspace::new(self.model);
         let mut simulated = self.simulated.map(|s| self.simulated(s, &range, &mut workspace)).transpose()?;
         let (channels, entries) = (self.channels(), self.regressor.entries());
+        let Motion { q, dq, ddq } = &measured.motion;
+        let mut measured_phi = BufferedRegressor::new(self.regressor, self.model, [q, dq, ddq], Sign::Exact);
         let decimated = self.decimator.decimate_piece(rows.clone(), channels.count(), |k, values| {
             let k = k - own.start;
             let (z, values) = values.split_at_mut(channels.measured());
@@ -115,10 +117,13 @@ impl Rows<'_> {
                 simulated.write(self, k, z, &mut workspace);
             }
             let i = k + measured.first;
-            self.write(&measured.motion, i, Sign::Exact, phi, &mut workspace);
+            measured_phi.write(i, phi);
             tau.copy_from_slice(measured.centred_torque.sample(i));
             if let Some(mask) = &measured.mask {
                 used.copy_from_slice(mask.used.sample(k));
+                if used.iter().all(|used| *used == 1.0) {
+                    return;
+                }
                 let scale = |row: &mut [f64]| row.iter_mut().zip(entries).for_each(|(v, e)| *v *= used[e.joint]);
                 scale(z);
                 scale(phi);
@@ -127,7 +132,7 @@ impl Rows<'_> {
         });
         let motion =
             MeasuredPiece { motion: &measured.motion, torque: &measured.centred_torque, first: measured.first };
-        let model = self.model_rows.piece(self.model, motion, rows, &mut workspace);
+        let model = self.model_rows.piece(self.model, motion, rows);
         Ok(Piece {
             model: model.map_err(|e| refuse(self.pieces.experiment, e))?,
             decimated: decimated.map_err(|e| refuse(self.pieces.experiment, e))?,

@@ -104,6 +104,14 @@ impl Affine {
     }
 }
 
+impl Affine {
+    /// The coordinates, from zero, whose positions and torques are exchanged.
+    pub(in crate::checks) fn exchanged_joints(&self) -> Option<[usize; 2]> {
+        let Some(RemedyStep::ExchangeJoints { signal: RemedySignal::Both, joints }) = self.step() else { return None };
+        Some(joints.map(|joint| joint - 1))
+    }
+}
+
 /// The entries of a diagonal matrix.
 fn entries_of(matrix: &Matrix) -> Option<Vec<f64>> {
     let n = matrix.columns();

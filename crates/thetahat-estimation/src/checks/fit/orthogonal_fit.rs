@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::{
     checks::numbers::{deviation, rms},
-    regression::Regression,
+    regression::{Regression, RowBlock},
 };
 use thetahat_ground::linear_algebra::{Matrix, PivotedQr, dot};
 
@@ -53,6 +53,21 @@ impl OrthogonalFit {
         let weights = regression.weights().unwrap_or(&ones).iter().zip(left_out);
         let weights = weights.map(|(w, left_out)| if *left_out { 0.0 } else { *w }).collect();
         Self::with_weights(regression.with_weights(Some(weights)))
+    }
+
+    /// The same with every coordinate's rows divided by the root mean square of its own errors.
+    pub(in crate::checks) fn weighted_by_errors(&self) -> Self {
+        let ones = vec![1.0; self.y.len()];
+        let weights = self.regression.weights().unwrap_or(&ones);
+        let weight = |block: &RowBlock| weights[self.rows_of(block.joint).start] / self.joint_error(block.joint);
+        Self::with_weights(self.regression.with_weights(Some(self.regression.layout.spread(weight))))
+    }
+
+    /// The errors of coordinate `j`, without weights.
+    pub(in crate::checks) fn errors(&self, j: usize) -> Vec<f64> {
+        let rows = self.rows_of(j);
+        let weight = self.regression.weights().map_or(1.0, |weights| weights[rows.start]);
+        self.residual[rows].iter().map(|e| e / weight).collect()
     }
 
     fn with_weights(regression: Regression) -> Self {

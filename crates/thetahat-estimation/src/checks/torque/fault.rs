@@ -2,7 +2,7 @@
 //! reported.
 
 use super::{
-    friction,
+    alike, friction,
     hypotheses::{Hypothesis, hypotheses},
 };
 use crate::{
@@ -29,6 +29,8 @@ const SPANS_M: std::ops::RangeInclusive<f64> = 1e-3..=20.0;
 const BETTER: f64 = 0.9;
 /// Rows of all joints per parameter in the screening.
 const ROWS_PER_PARAMETER: usize = 8;
+/// The same of an exchange that the errors of all torques hardly show.
+const HARDLY_CHANGES: f64 = 0.8;
 /// Most work for trying all corrections: for larger robots, corrections of single joints and pairs are not tried. Twelve joints
 /// with 108 parameters need a fifth of it.
 const MOST_WORK: f64 = 2e10;
@@ -43,7 +45,13 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &mut Thinn
         if round == 0 {
             note_measures(exam, &all, &gains);
         }
-        let Some(best) = best(&all, &gains) else { return };
+        let Some(best) = best(&all, &gains) else {
+            if round == 0 {
+                let hardly_change = all.iter().zip(&gains).filter(|(_, gain)| **gain > HARDLY_CHANGES).map(|(h, _)| h);
+                alike::check(exam, recording, hardly_change);
+            }
+            return;
+        };
         raise(exam, &all[best], gains[best]);
         recording.correct(&all[best].correction);
     }

@@ -1,5 +1,6 @@
 //! Checks of the torques against the model.
 
+mod alike;
 pub(in crate::checks) mod fault;
 pub(in crate::checks) mod friction;
 pub(in crate::checks) mod gear;

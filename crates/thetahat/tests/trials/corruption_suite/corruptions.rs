@@ -106,6 +106,10 @@ fn signs_and_order() -> Vec<Corruption> {
             exchange(&mut r.position, 3, 5);
             exchange(&mut r.torque, 3, 5);
         }),
+        with("positions and torques 4 and 6 exchanged", JointsSwapped, None, |r| {
+            exchange(&mut r.position, 4, 6);
+            exchange(&mut r.torque, 4, 6);
+        }),
     ]
 }
 
