@@ -47,6 +47,7 @@ mod inertial;
 mod inverse_dynamics;
 mod jacobian;
 mod jump;
+mod loops;
 mod mass_matrix;
 mod model;
 mod motion;
@@ -72,6 +73,7 @@ mod workspace;
 
 pub use coupled_motor::CoupledMotor;
 pub(crate) use frames::JointFrame;
+pub(crate) use loops::LoopScratch;
 pub use jump::Jump;
 pub use model::{DynamicsError, Model};
 pub use parameters::DynamicParameters;

@@ -80,6 +80,15 @@ pub enum ExportError {
         /// The format.
         format: ExportFormat,
     },
+    /// Loops of links, which the format has not.
+    #[error(
+        "the robot has loops of links, and {} has trees of joints alone; JSON has loops, and a MuJoCo model of your own keeps them",
+        format.title()
+    )]
+    Loops {
+        /// The format.
+        format: ExportFormat,
+    },
     /// A format of drives has those of single joints.
     #[error("{} has a drive for each joint, and motor {motor} turns several; JSON and MJCF have such motors", format.title())]
     CoupledActuators {

@@ -158,9 +158,6 @@ fn what_is_more_than_a_tree_of_hinges_and_slides_is_refused() {
     };
     unsupported("type=\"slide\"", "type=\"ball\"", &["arm.xml, line 19: <joint name=\"elbow\">", "three hinges"]);
     let equality = |inner: &str| format!("<equality>{inner}</equality>");
-    let connect = equality("<connect body1=\"lower\" body2=\"world\" anchor=\"0 0 0\"/>");
-    unsupported("<equality/>", &connect, &["line 28: <connect>", "loop", "active=\"false\""]);
-    unsupported("<equality/>", &equality("<weld name=\"w\" body1=\"lower\"/>"), &["<weld name=\"w\">", "loop"]);
     unsupported("<equality/>", &equality("<connect site1=\"tip\" site2=\"tip\"/>"), &["loop"]);
     unsupported("<equality/>", &equality("<tendon tendon1=\"t\"/>"), &["a fixed tendon", "active=\"false\""]);
     let replicate = "<replicate count=\"3\"><body><joint/></body></replicate>\n    <body name=\"upper\"";

@@ -35,6 +35,8 @@ impl Design {
 
     /// Requires an identification of all base parameters, with torques that the motion alone decides.
     fn validate_identification(&self) -> Result<(), DesignError> {
+        let loops = "a tree of joints: motions of mechanisms that close cannot be designed yet; record motions of your own";
+        self.require(self.robot.loops.is_empty(), "robot", loops, "a robot with [[loop]]")?;
         let parameters = &self.settings.parameters;
         let expected =
             "\"base\": the motion serves all base parameters, and each recording would choose its own part of them";
