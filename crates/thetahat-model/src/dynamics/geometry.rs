@@ -66,7 +66,7 @@ impl JointGeometry {
     pub(super) fn follow_loops(&mut self, of_tree: &Self, closed: &ClosedTree) {
         let mut shares = closed.shares_near_reference(of_tree.shares());
         let position = of_tree.position(closed.reference());
-        let first = shares.remove(0);
+        let first = if shares.is_empty() { (0, 0.0) } else { shares.remove(0) };
         let others: f64 = shares.iter().map(|(c, ratio)| ratio * closed.reference_of(*c)).sum();
         let offset = position - first.1 * closed.reference_of(first.0) - others;
         self.moved_by = JointCoordinate { coordinate: first.0, ratio: first.1, offset };

@@ -16,11 +16,10 @@ impl OfTree {
     pub(super) fn new(model: &Model, indices: &[usize]) -> Option<(Vec<Entry>, Self)> {
         let closed = model.closed()?;
         let regressor = Regressor::new(&closed.tree, indices);
-        let moved_by: Vec<Vec<usize>> = (0..closed.tree.coordinate_count()).map(|tree| closed.moved_by(tree)).collect();
         let acts = |entry: &Entry| {
             let column = entry.column;
             let on = |&joint: &usize| Entry { joint, column };
-            moved_by[entry.joint].iter().map(on).collect::<Vec<_>>()
+            closed.moved_by(entry.joint).iter().map(on).collect::<Vec<_>>()
         };
         let mut entries: Vec<Entry> = regressor.entries().iter().flat_map(acts).collect();
         entries.sort_unstable_by_key(|entry| (entry.column, entry.joint));

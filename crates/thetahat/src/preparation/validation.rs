@@ -35,7 +35,6 @@ impl Settings {
         self.validate_fixed(robot)?;
         self.validate_methods()?;
         self.validate_terms(robot)?;
-        self.validate_loops(robot)?;
         self.validate_weighting()?;
         self.validate_convergence()?;
         if let Some(controller) = &self.controller {
@@ -181,19 +180,6 @@ impl Settings {
                 let expected = format!(
                     "idim-ls or idim-wls: the torque term of {term} depends on ddq, which {method} does not simulate"
                 );
-                Err(PreparationError::value("methods", &expected, method))
-            }
-        }
-    }
-
-    /// Exact sensitivities are those of trees.
-    fn validate_loops(&self, robot: &Robot) -> Checked {
-        let methods = |case: Case| case.methods.unwrap_or_else(|| self.estimation.methods.clone());
-        let derives = |method: &Method| method.needs() == Needs::Sensitivities;
-        match self.all_cases().into_iter().flat_map(methods).find(derives).filter(|_| !robot.loops.is_empty()) {
-            None => Ok(()),
-            Some(method) => {
-                let expected = format!("idim-ls, idim-wls or idim-iv: the robot has loops of links, and {method} takes trees alone");
                 Err(PreparationError::value("methods", &expected, method))
             }
         }

@@ -1,8 +1,10 @@
 //! The conditions `c(q) = 0` that close loops, their Jacobian, and their acceleration.
 
+use std::collections::BTreeSet;
+
 use super::{closed_tree::ClosedTree, scratch::LoopScratch};
 use crate::{
-    dynamics::{frames::JointFrame, geometry::BASE},
+    dynamics::{frames::JointFrame, geometry::BASE, model::Model},
     robot::{Loop, LoopKind, Robot},
 };
 use thetahat_ground::vector::{Vec3, add, cross, dot, norm, scale, sub, times};
@@ -129,6 +131,17 @@ impl ClosedTree {
 }
 
 impl Condition {
+    /// The coordinates of a tree that move one of its points and not the other.
+    pub(super) fn coordinates(&self, tree: &Model) -> BTreeSet<usize> {
+        let before = |end: &Anchor| {
+            let own = Some(end.joint).filter(|joint| *joint != BASE);
+            std::iter::successors(own, |&j| tree.carrier(j)).collect::<Vec<_>>()
+        };
+        let [from, to] = self.ends.each_ref().map(before);
+        let moves_one = |j: &&usize| from.contains(*j) != to.contains(*j);
+        from.iter().chain(&to).filter(moves_one).flat_map(|&j| tree.shares_of(j).map(|(c, _)| c)).collect()
+    }
+
     /// The directions along which it restrains the difference of its points, and the gap along each, m.
     fn equations_at(&self, between: Vec3) -> ([Vec3; 3], Vec3) {
         match self.distance {

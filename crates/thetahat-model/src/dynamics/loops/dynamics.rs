@@ -1,8 +1,11 @@
 //! Dynamics of the tree, projected on the robot's coordinates.
 
+use std::ops::Range;
+
 use super::{closed_tree::ClosedTree, scratch::LoopScratch};
 use crate::dynamics::{
     damping::DampingWorkspace,
+    jacobian::Jacobian,
     model::{DynamicsError, Model},
     parameters::DynamicParameters,
     sign::Sign,
@@ -11,6 +14,8 @@ use crate::dynamics::{
 };
 use thetahat_ground::{series::Series, vector::Vec3};
 
+/// Steps of central differences: of positions, rad or m, and of velocities, a thousandth of the transition of Coulomb friction.
+const DIFFERENCES: [f64; 2] = [1e-5, 1e-6];
 /// Most halves of the way to a position that is out of reach.
 const MOST_HALVES: usize = 20;
 
@@ -104,6 +109,38 @@ impl ClosedTree {
         Ok(())
     }
 
+    /// As [`Model::inverse_dynamics_jacobians`].
+    pub(crate) fn jacobians(
+        &self,
+        parameters: &DynamicParameters,
+        motion: [&Series; 3],
+        samples: Range<usize>,
+        sign: Sign,
+        out: &mut [Jacobian],
+    ) {
+        let (n, mut scratch) = (self.independent.len(), LoopScratch::new(self));
+        let mut torques = |state: &[Vec<f64>; 3]| {
+            let mut tau = vec![0.0; n];
+            self.inverse_dynamics(parameters, state.each_ref().map(Vec::as_slice), sign, &mut scratch, &mut tau);
+            tau
+        };
+        for (k, out) in samples.clone().zip(&mut out[samples]) {
+            let mut state = motion.map(|series| series.sample(k).to_vec());
+            let Jacobian { by_position, by_velocity } = out;
+            for (order, matrix) in [by_position, by_velocity].into_iter().enumerate() {
+                for j in 0..n {
+                    let (value, step) = (state[order][j], DIFFERENCES[order]);
+                    let [above, below] = [value + step, value - step].map(|moved| {
+                        state[order][j] = moved;
+                        torques(&state)
+                    });
+                    state[order][j] = value;
+                    (0..n).for_each(|i| matrix[i * n + j] = (above[i] - below[i]) / (2.0 * step));
+                }
+            }
+        }
+    }
+
     /// `D = d tau / d dq` of friction.
     pub(crate) fn damping(
         &self,
@@ -170,8 +207,17 @@ impl Model {
         self.closed().and_then(ClosedTree::problem).map_or(Ok(()), |problem| Err(problem.clone()))
     }
 
+    /// The positions of all joints where the description closes the loops, rad or m; none of a tree.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn closed_positions(&self) -> Option<Vec<f64>> {
+        let closed = self.closed()?;
+        Some(closed.tree.joints.iter().map(|joint| joint.position(closed.reference())).collect())
+    }
+
     /// Moves positions towards those where the description closes the loops, until the loops can be closed.
-    pub(crate) fn reach(&self, q: &mut [f64]) {
+    #[doc(hidden)]
+    pub fn reach(&self, q: &mut [f64]) {
         let Some(closed) = self.closed() else { return };
         let mut scratch = LoopScratch::new(closed);
         for _ in 0..MOST_HALVES {

@@ -7,7 +7,7 @@ use super::{
     classes::{Classes, MAIN, Properties},
     element::{Attribute, Element, elements_of},
     error::MjcfError,
-    loops::{ClosedBodies, closed_bodies},
+    loops::{ClosedBodies, closed_bodies, closed_positions},
     world::World,
 };
 use crate::robot::{LARGEST, Mimic, tree};
@@ -32,13 +32,14 @@ impl<'a> Equalities<'a> {
         let n = assembly.joints.len();
         let mut reader = Reader { assembly, mimics: vec![None; n], held: vec![None; n], stated: vec![None; n] };
         let (tendons, mut loops) = (fixed_tendons(root), Vec::new());
+        let positions = closed_positions(root, assembly);
         for element in elements_of(root, "equality")? {
             let equality = classes.of(element, MAIN, &["equality"])?;
             let active = equality.attribute("active").map(Attribute::flag).transpose()?.flatten();
             match element.tag() {
                 _ if active == Some(false) => {}
                 "joint" => reader.follow(&equality)?,
-                "connect" | "weld" => loops.extend(closed_bodies(&equality, world, assembly)?),
+                "connect" | "weld" => loops.extend(closed_bodies(&equality, world, assembly, &positions)?),
                 "tendon" => reader.couple(&equality, &tendons)?,
                 // Equalities of flexible bodies move no joint.
                 _ => {}

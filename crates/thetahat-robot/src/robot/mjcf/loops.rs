@@ -20,45 +20,76 @@ pub(super) struct ClosedBodies<'a> {
 /// A body, none for the world.
 type Body = Option<usize>;
 
+/// A frame of a body.
+type OnBody = (Body, Frame);
+
 /// The loop that an equality closes; none if it joins bodies of one link.
 ///
 /// # Errors
-/// [`MjcfError`] for an equality of sites, and bodies that the model does not have.
+/// [`MjcfError`] for bodies and sites that the model does not have.
 pub(super) fn closed_bodies<'a>(
     equality: &Properties<'a>,
     world: &World<'a>,
     assembly: &Assembly<'a>,
+    positions: &[f64],
 ) -> Result<Option<ClosedBodies<'a>>, MjcfError> {
     let element = equality.element();
-    let why = "it closes a loop by its sites; give body1, body2 and the anchor, or active=\"false\" to read the open tree";
-    let first = body(element, "body1", world)?.ok_or_else(|| element.unsupported(why))?;
-    let second = body(element, "body2", world)?.unwrap_or(None);
+    let kind = if element.tag() == "weld" { LoopKind::Pose } else { LoopKind::Point };
     let carrier = |body: Body| body.and_then(|body| assembly.places[body].carrier);
-    if carrier(first) == carrier(second) {
+    let ends = match (element.text_of("site1"), element.text_of("site2")) {
+        (Some(first), Some(second)) => [site(element, first, world)?, site(element, second, world)?],
+        (None | Some(_), None | Some(_)) => {
+            let why = "it closes a loop; give body1, body2 and the anchor, or site1 and site2";
+            let first = body(element, "body1", world)?.ok_or_else(|| element.unsupported(why))?;
+            let bodies = [first, body(element, "body2", world)?.unwrap_or(None)];
+            if carrier(bodies[0]) == carrier(bodies[1]) {
+                return Ok(None);
+            }
+            frames_of_bodies(equality, bodies, world)?
+        }
+    };
+    if carrier(ends[0].0) == carrier(ends[1].0) {
         return Ok(None);
     }
-    let [in_world_first, in_world_second] = [first, second].map(|body| in_world(body, world));
-    let between = in_world_second.inverse().then(&in_world_first);
-    let (kind, on_first, on_second) = match element.tag() {
-        "weld" => {
-            let second_in_first = stated_pose(equality)?.unwrap_or_else(|| between.inverse());
-            (LoopKind::Pose, second_in_first, Frame::SAME)
-        }
-        _ => {
-            let anchor = equality.attribute("anchor").ok_or_else(|| element.missing("anchor", "give the point"))?;
-            let on_first = Frame { origin: anchor.numbers()?, ..Frame::SAME };
-            (LoopKind::Point, on_first, between.then(&on_first))
-        }
-    };
-    let on_link = |body: Body, frame: &Frame| {
-        let frame = body.map_or(*frame, |body| assembly.places[body].in_link(frame));
+    let on_link = |(body, frame): OnBody| {
+        let frame = body.map_or(frame, |body| assembly.places[body].in_link(&frame));
         LoopFrame { joint: carrier(body), rotation: frame.rotation, origin: frame.origin }
     };
-    // The model is closed in its own pose.
-    let near = assembly.moving.iter().enumerate().map(|(joint, moving)| (joint, moving.reference)).collect();
-    let (from, to) = (on_link(first, &on_first), on_link(second, &on_second));
-    let of_loop = Loop { name: element.name(), kind, from, to, near };
-    Ok(Some(ClosedBodies { element, of_loop }))
+    let near = positions.iter().copied().enumerate().collect();
+    let [from, to] = ends.map(on_link);
+    Ok(Some(ClosedBodies { element, of_loop: Loop { name: element.name(), kind, from, to, near } }))
+}
+
+/// The frames that an equality of bodies joins, in the pose of the model.
+fn frames_of_bodies(equality: &Properties<'_>, [first, second]: [Body; 2], world: &World<'_>) -> Result<[OnBody; 2], MjcfError> {
+    let between = in_world(second, world).inverse().then(&in_world(first, world));
+    if equality.element().tag() == "weld" {
+        let second_in_first = stated_pose(equality)?.unwrap_or_else(|| between.inverse());
+        return Ok([(first, second_in_first), (second, Frame::SAME)]);
+    }
+    let missing = || equality.element().missing("anchor", "give the point in body1");
+    let anchor = equality.attribute("anchor").ok_or_else(missing)?;
+    let on_first = Frame { origin: anchor.numbers()?, ..Frame::SAME };
+    Ok([(first, on_first), (second, between.then(&on_first))])
+}
+
+/// The body and frame of a site.
+fn site(element: Element<'_>, name: &str, world: &World<'_>) -> Result<OnBody, MjcfError> {
+    world.site(name).ok_or_else(|| element.unknown("site", name))
+}
+
+/// Positions of the joints near which loops are closed: those of the first `<key>` where bodies are joined by their sites, otherwise
+/// those of the pose of the model, in which bodies are joined.
+pub(super) fn closed_positions(root: Element<'_>, assembly: &Assembly<'_>) -> Vec<f64> {
+    let of_model = || assembly.moving.iter().map(|moving| moving.reference).collect::<Vec<f64>>();
+    let sections = root.named("equality").flat_map(|section| section.elements());
+    let by_sites = sections.into_iter().any(|element| element.text_of("site1").is_some());
+    let key = root.named("keyframe").flat_map(|keyframe| keyframe.named("key")).next();
+    let Some(stated) = key.and_then(|key| key.attribute("qpos")).filter(|_| by_sites) else { return of_model() };
+    let mut positions = vec![0.0; assembly.joints.len()];
+    // Another number of positions, as of a model with a free joint, says nothing of these joints.
+    let is_whole = stated.overlay(&mut positions).is_ok_and(|count| count == assembly.joints.len());
+    if is_whole { positions } else { of_model() }
 }
 
 /// A body that an attribute names; none without the attribute.
@@ -104,6 +135,12 @@ pub(super) fn close(
     let mut passive: Vec<usize> = on_loops.filter(|&j| is_free(j)).collect();
     passive.sort_unstable();
     passive.dedup();
+    if passive.is_empty() {
+        return Err(first.element.unsupported(
+            "it closes a loop on which every joint has an actuator, and more of them than can move independently are not supported; \
+             remove the actuators of passive joints, or give it active=\"false\" to read the open tree",
+        ));
+    }
     let loops = closed.iter().map(|closed| closed.of_loop.clone()).collect();
     let why = "an actuator of a joint that the loop moves turns with another joint as well";
     robot.close(loops, &passive).ok_or_else(|| first.element.unsupported(why))
