@@ -73,8 +73,8 @@ mod workspace;
 
 pub use coupled_motor::CoupledMotor;
 pub(crate) use frames::JointFrame;
-pub(crate) use loops::LoopScratch;
 pub use jump::Jump;
+pub(crate) use loops::LoopScratch;
 pub use model::{DynamicsError, Model};
 pub use parameters::DynamicParameters;
 pub use sign::Sign;

@@ -2,6 +2,7 @@
 
 use super::observation::{Entry, Regressor};
 use crate::dynamics::{LoopScratch, Model, Sign, State, Workspace};
+use thetahat_ground::series::Series;
 
 /// The regressor of the tree, and where its entries act on the robot's coordinates.
 #[derive(Debug, Clone)]
@@ -52,5 +53,45 @@ impl OfTree {
                 phi[place] += closed.slope(scratch, entry.joint, coordinate) * value;
             }
         }
+    }
+}
+
+/// Steps of central differences: of positions, rad or m, of velocities, a thousandth of the transition of Coulomb friction, and of
+/// accelerations, of which the entries are linear.
+const DIFFERENCES: [f64; 3] = [1e-5, 1e-6, 1.0];
+
+impl Regressor {
+    /// As [`Regressor::weighted_slopes`].
+    pub(super) fn slopes_by_differences(
+        &self,
+        model: &Model,
+        motion: [&Series; 3],
+        weights: &[f64],
+        sign: Sign,
+    ) -> [Series; 3] {
+        let [samples, joints] = [motion[0].len(), model.coordinate_count()];
+        let size = joints * self.columns();
+        let (mut workspace, mut phi) = (Workspace::new(model), vec![0.0; self.entries().len()]);
+        let mut sum = |[q, dq, ddq]: &[Vec<f64>; 3], weights: &[f64]| -> f64 {
+            self.evaluate(model, State::new(q, dq), ddq, sign, &mut workspace, &mut phi);
+            let weight = |entry: &Entry| weights[entry.joint * self.columns() + entry.column];
+            self.entries().iter().zip(&phi).map(|(entry, value)| weight(entry) * value).sum()
+        };
+        let mut slopes = [(); 3].map(|()| Series::zeros(samples, joints));
+        for (k, weights) in weights.chunks_exact(size.max(1)).enumerate() {
+            let mut state = motion.map(|series| series.sample(k).to_vec());
+            for (order, step) in DIFFERENCES.into_iter().enumerate() {
+                for joint in 0..joints {
+                    let value = state[order][joint];
+                    let [above, below] = [value + step, value - step].map(|moved| {
+                        state[order][joint] = moved;
+                        sum(&state, weights)
+                    });
+                    state[order][joint] = value;
+                    slopes[order].sample_mut(k)[joint] = (above - below) / (2.0 * step);
+                }
+            }
+        }
+        slopes
     }
 }

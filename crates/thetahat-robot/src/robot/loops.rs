@@ -101,9 +101,8 @@ impl Robot {
             (None, None) if i == j => 1.0,
             (None | Some(_), None | Some(_)) => 0.0,
         };
-        let of_motor = |values: &[f64], other: f64| {
-            (0..own.len()).map(|tree| place(tree).map_or(other, |i| values[i])).collect()
-        };
+        let of_motor =
+            |values: &[f64], other: f64| (0..own.len()).map(|tree| place(tree).map_or(other, |i| values[i])).collect();
         let matrix = Matrix::from_fn(own.len(), own.len(), entry);
         let (offset, gain) = (of_motor(self.transmission.offset(), 0.0), of_motor(self.transmission.drive_gain(), 1.0));
         let transmission = Transmission::new(matrix, offset, gain);

@@ -46,8 +46,8 @@ pub use error::RobotError;
 pub use joint::{DenavitHartenberg, Joint, JointKind, Limits, Mimic, Placement, Share};
 #[doc(hidden)]
 pub use locking::LinkPart;
-pub use loops::{Loop, LoopFrame, LoopKind};
 pub use locking::{LockError, LockedJoint, Locks};
+pub use loops::{Loop, LoopFrame, LoopKind};
 pub use mjcf::MjcfError;
 pub use parameters::{Parameter, ParameterTable};
 pub use physical::NotPhysical;

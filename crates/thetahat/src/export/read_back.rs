@@ -2,7 +2,9 @@
 
 use super::{coupling::Tendon, represented::RepresentedRobot};
 use thetahat_ground::vector::{Mat3, product, times};
-use thetahat_model::robot::{Frame, INERTIAL, JointQuantity, LoopFrame, MotorQuantity, Parameter, Placement, Quantity, Robot};
+use thetahat_model::robot::{
+    Frame, INERTIAL, JointQuantity, LoopFrame, MotorQuantity, Parameter, Placement, Quantity, Robot,
+};
 
 /// A link with its joint as a file has them.
 #[derive(Debug, Clone, Copy)]

@@ -239,8 +239,7 @@ impl Conversion<'_> {
             lines.push(format!("{title} has no joints that follow others but by soft constraints (<equality>)"));
         }
         if self.format == ExportFormat::Mjcf && !self.robot.loops.is_empty() {
-            let motors = "its motors say which joints are driven";
-            lines.push(format!("{title} has no loops but by soft constraints (<equality>); {motors}, in N m or N"));
+            lines.push(format!("{title} has no loops but by soft constraints (<equality>)"));
         }
         if self.robot.joints.iter().any(|joint| !joint.also_follows.is_empty()) {
             lines.push(format!(

@@ -1,7 +1,9 @@
 use std::{error::Error, fmt::Display, sync::Arc};
 
 use thetahat_estimation::{control::ControllerError, signal::SignalError, trajectory::TrajectoryError};
-use thetahat_model::{base_parameters::BaseParametersError, dynamics::DynamicsError, consistency::ConsistencyError, robot::NotARobot};
+use thetahat_model::{
+    base_parameters::BaseParametersError, consistency::ConsistencyError, dynamics::DynamicsError, robot::NotARobot,
+};
 
 /// Why a robot cannot be identified from its recordings with these settings. Keys are those of an experiment file.
 #[derive(Debug, Clone, thiserror::Error)]

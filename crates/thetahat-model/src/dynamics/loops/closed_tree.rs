@@ -112,10 +112,13 @@ fn movers(tree: &Model, conditions: &[Condition], [independent, passive]: [&[usi
         groups = apart;
         groups.push(group);
     }
-    let of_group = |group: &BTreeSet<usize>| (0..independent.len()).filter(|&i| group.contains(&independent[i])).collect();
+    let of_group =
+        |group: &BTreeSet<usize>| (0..independent.len()).filter(|&i| group.contains(&independent[i])).collect();
     let of_coordinate = |c: usize| match independent.iter().position(|&own| own == c) {
         Some(own) => vec![own],
-        None => groups.iter().find(|group| group.contains(&c)).map_or_else(|| (0..independent.len()).collect(), of_group),
+        None => {
+            groups.iter().find(|group| group.contains(&c)).map_or_else(|| (0..independent.len()).collect(), of_group)
+        }
     };
     (0..tree.coordinate_count()).map(of_coordinate).collect()
 }

@@ -215,6 +215,16 @@ impl Model {
         Some(closed.tree.joints.iter().map(|joint| joint.position(closed.reference())).collect())
     }
 
+    /// The positions of all joints, rad or m, at those of the coordinates; not numbers where loops cannot be closed.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn joint_positions(&self, q: &[f64]) -> Vec<f64> {
+        match self.closed() {
+            None => self.joints.iter().map(|joint| joint.position(q)).collect(),
+            Some(closed) => closed.tree.joint_positions(&closed.positions(q)),
+        }
+    }
+
     /// Moves positions towards those where the description closes the loops, until the loops can be closed.
     #[doc(hidden)]
     pub fn reach(&self, q: &mut [f64]) {

@@ -12,11 +12,7 @@ impl ClosedTree {
     ///
     /// # Errors
     /// As [`Self::place`].
-    pub(crate) fn move_all(
-        &self,
-        [q, dq, ddq]: [&[f64]; 3],
-        scratch: &mut LoopScratch,
-    ) -> Result<(), DynamicsError> {
+    pub(crate) fn move_all(&self, [q, dq, ddq]: [&[f64]; 3], scratch: &mut LoopScratch) -> Result<(), DynamicsError> {
         self.place(q, scratch)?;
         self.rates(dq, scratch);
         self.drift(scratch);

@@ -217,9 +217,7 @@ fn base_parameters_give_the_same_torques() {
             Series::shaped(model.coordinate_count(), states.iter().flat_map(|state| state[order].clone()).collect())
         };
         let [q, dq, ddq] = [series(0), series(1), series(2)];
-        let torques = |theta: &[f64]| {
-            Regressor::new(&model, &all).torques(&model, [&q, &dq, &ddq], Sign::Exact, theta)
-        };
+        let torques = |theta: &[f64]| Regressor::new(&model, &all).torques(&model, [&q, &dq, &ddq], Sign::Exact, theta);
         let (whole, reduced) = (torques(&theta), torques(&of_base));
         let worst = whole.values().iter().zip(reduced.values()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(worst < 1e-8, "{}: {worst:.1e}", robot.name);

@@ -21,6 +21,9 @@ def points(model, data):
     for e in range(model.neq):
         first, second, of = model.eq_obj1id[e], model.eq_obj2id[e], model.eq_data[e]
         place = lambda body, point: data.xpos[body] + data.xmat[body].reshape(3, 3) @ point
+        if model.eq_objtype[e] == mujoco.mjtObj.mjOBJ_SITE:
+            yield model.site_bodyid[first], model.site_bodyid[second], data.site_xpos[first], data.site_xpos[second]
+            continue
         if model.eq_type[e] == mujoco.mjtEq.mjEQ_CONNECT:
             yield first, second, place(first, of[:3]), place(second, of[3:6])
             continue
@@ -100,4 +103,5 @@ def main():
             print(f"mass = {numbers(g.T @ mass @ g)}\nbias = {numbers(g.T @ bias)}\ntau = {numbers(g.T @ tau)}")
 
 
-main()
+if __name__ == "__main__":
+    main()

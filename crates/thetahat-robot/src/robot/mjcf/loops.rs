@@ -61,7 +61,11 @@ pub(super) fn closed_bodies<'a>(
 }
 
 /// The frames that an equality of bodies joins, in the pose of the model.
-fn frames_of_bodies(equality: &Properties<'_>, [first, second]: [Body; 2], world: &World<'_>) -> Result<[OnBody; 2], MjcfError> {
+fn frames_of_bodies(
+    equality: &Properties<'_>,
+    [first, second]: [Body; 2],
+    world: &World<'_>,
+) -> Result<[OnBody; 2], MjcfError> {
     let between = in_world(second, world).inverse().then(&in_world(first, world));
     if equality.element().tag() == "weld" {
         let second_in_first = stated_pose(equality)?.unwrap_or_else(|| between.inverse());
@@ -87,7 +91,7 @@ pub(super) fn closed_positions(root: Element<'_>, assembly: &Assembly<'_>) -> Ve
     let key = root.named("keyframe").flat_map(|keyframe| keyframe.named("key")).next();
     let Some(stated) = key.and_then(|key| key.attribute("qpos")).filter(|_| by_sites) else { return of_model() };
     let mut positions = vec![0.0; assembly.joints.len()];
-    // Another number of positions, as of a model with a free joint, says nothing of these joints.
+    // Another number of positions, as of a model with a free joint, is not that of these joints.
     let is_whole = stated.overlay(&mut positions).is_ok_and(|count| count == assembly.joints.len());
     if is_whole { positions } else { of_model() }
 }
@@ -109,7 +113,8 @@ fn in_world(body: Body, world: &World<'_>) -> Frame {
 
 /// The pose of the second body in the first; none if the pose of the model is meant.
 fn stated_pose(equality: &Properties<'_>) -> Result<Option<Frame>, MjcfError> {
-    let Some([x, y, z, quaternion @ ..]) = equality.attribute("relpose").map(Attribute::numbers::<7>).transpose()? else {
+    let Some([x, y, z, quaternion @ ..]) = equality.attribute("relpose").map(Attribute::numbers::<7>).transpose()?
+    else {
         return Ok(None);
     };
     let length = quaternion.iter().map(|v| v * v).sum::<f64>().sqrt();
@@ -130,7 +135,8 @@ pub(super) fn close(
              joints, or give it active=\"false\" and write [[loop]] with `passive` into a TOML on this model",
         ));
     }
-    let is_free = |j: usize| robot.joints[j].has_coordinate() && held[j].is_none() && actuators.of_joint(j).next().is_none();
+    let is_free =
+        |j: usize| robot.joints[j].has_coordinate() && held[j].is_none() && actuators.of_joint(j).next().is_none();
     let on_loops = closed.iter().flat_map(|closed| on_loop(&robot.joints, &closed.of_loop));
     let mut passive: Vec<usize> = on_loops.filter(|&j| is_free(j)).collect();
     passive.sort_unstable();

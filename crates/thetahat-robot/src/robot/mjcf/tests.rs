@@ -170,7 +170,11 @@ fn what_is_more_than_a_tree_of_hinges_and_slides_is_refused() {
 
 #[test]
 fn loops_that_are_not_active_or_within_one_link_are_no_loops() {
-    for inner in ["<connect site1=\"tip\" site2=\"tip\"/>", "<connect body1=\"lower\" active=\"false\"/>", "<weld body1=\"lower\" body2=\"lower\"/>"] {
+    for inner in [
+        "<connect site1=\"tip\" site2=\"tip\"/>",
+        "<connect body1=\"lower\" active=\"false\"/>",
+        "<weld body1=\"lower\" body2=\"lower\"/>",
+    ] {
         let robot = changed("<equality/>", &format!("<equality>{inner}</equality>"));
         assert_eq!(robot, Robot { ..read(ARM).unwrap() }, "{inner}");
     }
@@ -390,13 +394,17 @@ fn connected_bodies_and_sites_close_loops() {
     let robot = read(&text(connect, "")).unwrap();
     assert_eq!((robot.coordinate_count(), robot.transmission.joints(), robot.loops.len()), (1, 1, 1));
     let Loop { kind, from, to, near, .. } = &robot.loops[0];
-    assert_eq!((kind, from.joint, to.joint, near.iter().all(|(_, q)| *q == 0.0)), (&LoopKind::Point, Some(2), None, true));
+    assert_eq!(
+        (kind, from.joint, to.joint, near.iter().all(|(_, q)| *q == 0.0)),
+        (&LoopKind::Point, Some(2), None, true)
+    );
     let close = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
     assert!(close(from.origin, [-0.1, 0.0, 0.0]) && close(to.origin, [0.3, 0.0, 0.1]), "{:?}", robot.loops);
     // A passive joint has bearings, but no motor.
     let names: Vec<String> = robot.parameter_table().iter().map(|p| p.name()).collect();
     assert!(["ia2", "off3"].iter().all(|name| !names.iter().any(|n| n == name)) && names.iter().any(|n| n == "fv2"));
-    let sites = read(&text("<weld site1='end' site2='base'/>", "<keyframe><key qpos='0.1 0.2 -0.3'/></keyframe>")).unwrap();
+    let sites =
+        read(&text("<weld site1='end' site2='base'/>", "<keyframe><key qpos='0.1 0.2 -0.3'/></keyframe>")).unwrap();
     let Loop { kind, from, to, near, .. } = &sites.loops[0];
     assert_eq!((kind, &near[..]), (&LoopKind::Pose, &[(0, 0.1), (1, 0.2), (2, -0.3)][..]));
     assert!(close(from.origin, [-0.1, 0.0, 0.0]) && close(to.origin, [0.3, 0.0, 0.1]), "{:?}", sites.loops);

@@ -85,7 +85,9 @@ impl Reader<'_> {
                     return Err(self.loop_problem(entry, &format!("has `{name}` in {key}; give it in {other}")));
                 }
                 if value.is_nan() || value.abs() > LARGEST {
-                    return Err(self.loop_problem(entry, &format!("has {key} of `{name}` = {value}; give a finite number")));
+                    return Err(
+                        self.loop_problem(entry, &format!("has {key} of `{name}` = {value}; give a finite number"))
+                    );
                 }
                 Ok((joint, value * factor))
             };

@@ -121,8 +121,7 @@ fn equalities(robot: &Robot) -> Vec<String> {
         let name = escaped(&joint.name);
         Some(format!("    <joint joint1=\"{name}\" joint2=\"{leader}\" polycoef=\"{offset} {ratio} 0 0 0\"/>"))
     };
-    let constraints: Vec<String> =
-        robot.joints.iter().filter_map(follower).chain(loops::constraints(robot)).collect();
+    let constraints: Vec<String> = robot.joints.iter().filter_map(follower).chain(loops::constraints(robot)).collect();
     if constraints.is_empty() {
         return Vec::new();
     }
