@@ -160,12 +160,12 @@ fn the_commands_of_the_loops_print_what_the_page_shows() {
 /// A folder with the examples that the pages take.
 fn example() -> Folder {
     let folder = Folder::new();
-    let in_folder = fs::read_dir(project("examples/arm")).expect("the example is there");
-    let names = in_folder.map(|entry| Path::new("examples/arm").join(entry.expect("it is readable").file_name()));
-    let five_bars = ["robots/five_bar.toml", "experiments/five_bar.toml"].map(Into::into);
-    for file in names.chain(five_bars) {
-        folder.write(&file, fs::read(project(&file)).expect("it is readable"));
+    let copy = |file: &str| _ = folder.write(file, fs::read(project(file)).expect("it is readable"));
+    for entry in fs::read_dir(project("examples/arm")).expect("the example is there") {
+        let name = entry.expect("it is readable").file_name();
+        copy(&format!("examples/arm/{}", name.display()));
     }
+    ["robots/five_bar.toml", "experiments/five_bar.toml"].into_iter().for_each(copy);
     folder
 }
 

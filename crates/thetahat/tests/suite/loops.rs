@@ -102,7 +102,7 @@ const DESIGN: &str = "title = 'five bars'\nrobot = 'five_bar.toml'\nduration_s =
 /// A designed motion determines the base parameters better than the planned moves of the experiment, second by second.
 #[test]
 fn a_motion_of_a_five_bar_arm_is_designed_within_ranges_that_close() {
-    let design = |text: &str| Design::parse(text, &project("robots/design.toml"));
+    let design = |text: &str| Design::parse(text, &project("robots/design.toml")).map_err(Box::new);
     let results = design(DESIGN).unwrap().run(2).unwrap();
     assert_eq!(results.predicted.len(), 21);
     assert!(results.limits.iter().all(|limit| limit.part <= 1.0), "{:?}", results.limits);

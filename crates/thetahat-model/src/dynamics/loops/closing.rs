@@ -7,6 +7,8 @@ use thetahat_ground::linear_algebra::norm;
 /// Largest step of the coordinates on the way to a position, rad or m, and the least one before the way is given up.
 const LONGEST_STEP: f64 = 0.4;
 const SHORTEST_STEP: f64 = 1e-4;
+/// Longest way that is followed, rad or m: 160 turns.
+const LONGEST_WAY: f64 = 1e3;
 /// Largest correction of a predicted position that is taken for the same branch, rad or m.
 const SAME_BRANCH: f64 = 0.3;
 /// Newton steps of a position on the way and at its end.
@@ -39,7 +41,7 @@ impl ClosedTree {
         self.newton_step(scratch, LONGEST_FIRST_STEP)?;
         self.linearise(scratch);
         let (of_loop, gap) = self.largest_gap(scratch);
-        if !(gap < GAP) {
+        if gap.is_nan() || gap > GAP {
             return Err(DynamicsError::LoopOpen { number: of_loop + 1, gap });
         }
         self.refuse_held(scratch)?;
@@ -86,7 +88,7 @@ impl ClosedTree {
         scratch.q.copy_from_slice(&self.reference);
         let way = |i: usize| q[i] - self.reference[self.independent[i]];
         let length = (0..q.len()).map(|i| way(i).abs()).fold(0.0, f64::max);
-        if !length.is_finite() {
+        if length.is_nan() || length > LONGEST_WAY {
             return Err(self.singular(self.passive[0]));
         }
         let (mut done, mut step) = (0.0, (LONGEST_STEP / length).min(1.0));
@@ -128,7 +130,7 @@ impl ClosedTree {
         for _ in 0..MOST_NEWTON_STEPS {
             let length = self.newton_step(scratch, SAME_BRANCH)?;
             corrected += length;
-            if !(corrected < SAME_BRANCH) {
+            if corrected.is_nan() || corrected > SAME_BRANCH {
                 return Err(self.singular(self.passive[0]));
             }
             if length < enough {

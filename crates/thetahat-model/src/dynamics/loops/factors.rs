@@ -28,8 +28,7 @@ impl ClosedTree {
                 own.iter_mut().zip(direction).for_each(|(x, d)| *x -= along * d);
             }
             let length = norm(own);
-            // A length that is not a number is singular as well.
-            if !(length > SINGULAR * longest) {
+            if length.is_nan() || length <= SINGULAR * longest {
                 return Err(self.passive[column]);
             }
             triangle[column * count + column] = length;

@@ -8,7 +8,7 @@ use super::{
     error::MjcfError,
     world::World,
 };
-use crate::robot::{Joint, Loop, LoopFrame, LoopKind, Robot, body::Frame};
+use crate::robot::{Joint, Loop, LoopFrame, LoopKind, MOST_JOINTS, Robot, body::Frame};
 use thetahat_ground::vector::quaternion_rotation;
 
 /// An equality that closes a loop.
@@ -129,6 +129,10 @@ pub(super) fn close(
     (actuators, held): (&Actuators<'_>, &[Option<f64>]),
 ) -> Result<(), MjcfError> {
     let Some(first) = closed.first() else { return Ok(()) };
+    if closed.len() > MOST_JOINTS {
+        let path = first.element.path().to_owned();
+        return Err(MjcfError::TooLarge { path, what: "equalities that close loops", limit: MOST_JOINTS });
+    }
     if actuators.drives.is_empty() {
         return Err(first.element.unsupported(
             "it closes a loop, and without actuators it is not known which joints move passively; add actuators of the driven \

@@ -6,13 +6,18 @@ use super::{
     file::{LoopEntry, LoopFrameEntry, LoopKindEntry},
     reader::Reader,
 };
-use crate::robot::{JointKind, LARGEST, Loop, LoopFrame, LoopKind, Robot, RobotError, urdf::roll_pitch_yaw};
+use crate::robot::{
+    JointKind, LARGEST, Loop, LoopFrame, LoopKind, MOST_JOINTS, Robot, RobotError, urdf::roll_pitch_yaw,
+};
 
 impl Reader<'_> {
     /// Closes the loops of the file; the joints that are passive lose their coordinates.
     pub(super) fn close_loops(&self, robot: &mut Robot, entries: Vec<LoopEntry>) -> Result<(), RobotError> {
         if entries.is_empty() {
             return Ok(());
+        }
+        if entries.len() > MOST_JOINTS {
+            return Err(RobotError::TooLarge { path: self.path.to_owned(), what: "loops", limit: MOST_JOINTS });
         }
         let mut passive = Vec::new();
         for entry in &entries {
