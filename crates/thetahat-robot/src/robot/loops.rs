@@ -61,6 +61,12 @@ impl LoopFrame {
 }
 
 impl Loop {
+    /// The joints that it names.
+    pub(super) fn joints(&self) -> impl Iterator<Item = usize> + '_ {
+        let near = self.near.iter().map(|(joint, _)| *joint);
+        self.from.joint.into_iter().chain(self.to.joint).chain(near)
+    }
+
     /// The points of the two links that coincide, or keep a distance, each in its link's own axes: `from`, `to`.
     #[must_use]
     pub fn points(&self) -> Vec<[Vec3; 2]> {

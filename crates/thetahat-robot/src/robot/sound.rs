@@ -1,6 +1,6 @@
 //! Checks whether a robot that was not read from a file is usable.
 
-use super::{Joint, Loop, Robot};
+use super::{Joint, Robot};
 use thetahat_ground::vector::{IDENTITY, Mat3, cross, dot, norm, product, transpose};
 
 /// Largest difference of the entries of `R R^T` from those of the identity.
@@ -34,8 +34,7 @@ impl Robot {
         if self.transmission.joints() != self.coordinate_count() {
             return fail("transmission".to_owned(), "has another number of joints than follow no other");
         }
-        let of_loop = |l: &Loop| l.from.joint.into_iter().chain(l.to.joint).chain(l.near.iter().map(|near| near.0));
-        if self.loops.iter().flat_map(of_loop).any(|joint| joint >= self.joints.len()) {
+        if self.loops.iter().any(|of_loop| of_loop.joints().any(|joint| joint >= self.joints.len())) {
             return fail("loops".to_owned(), "name a joint that the robot does not have");
         }
         if self.joints.iter().any(|joint| joint.passive) == self.loops.is_empty() {
