@@ -215,6 +215,7 @@ impl Robot {
         let regressor = Regressor::new(&self.model, &columns);
         let sign = sign_of(sign_velocity_scale)?;
         Samples::of(motion.each_ref()).fill(py, phi.as_slice_mut()?, |motion, phi| {
+            self.model.check_positions(motion[0])?;
             regressor.evaluate_rows(&self.model, motion, 0..motion[0].len(), sign, phi);
             Ok(())
         })
@@ -232,6 +233,7 @@ impl Robot {
         let (n, sign) = (self.model.coordinate_count(), sign_of(sign_velocity_scale)?);
         let parameters = DynamicParameters::new(&self.model, &theta).map_err(wrong_parameters)?;
         Samples::of(motion.each_ref()).fill(py, tau.as_slice_mut()?, |[q, dq, ddq], tau| {
+            self.model.check_positions(q)?;
             let mut workspace = Workspace::new(&self.model);
             for (k, tau) in tau.chunks_exact_mut(n).enumerate() {
                 let state = State::new(q.sample(k), dq.sample(k));
@@ -270,6 +272,7 @@ impl Robot {
         let n = self.model.coordinate_count();
         let parameters = DynamicParameters::new(&self.model, &theta).map_err(wrong_parameters)?;
         Samples::of([&q]).fill(py, masses.as_slice_mut()?, |[q], masses| {
+            self.model.check_positions(q)?;
             let mut workspace = Workspace::new(&self.model);
             for (k, m) in masses.chunks_exact_mut(n * n).enumerate() {
                 self.model.mass_matrix(&parameters, q.sample(k), &mut workspace, m);

@@ -1,4 +1,4 @@
-//! README.md, docs/manual/tutorial.md and docs/manual/design.md: their commands run unchanged, end as the page says, and
+//! README.md, and pages of docs/manual: their commands run unchanged, end as the page says, and
 //! print what it shows. With `UPDATE=1` the shown lines become the printed lines that are most like them.
 #![cfg(unix)]
 
@@ -152,13 +152,20 @@ fn the_commands_of_the_design_print_what_the_page_shows() {
     compare("docs/manual/design.md", 2);
 }
 
-/// A folder with the example that the pages take.
+#[test]
+fn the_commands_of_the_loops_print_what_the_page_shows() {
+    compare("docs/manual/loops.md", 1);
+}
+
+/// A folder with the examples that the pages take.
 fn example() -> Folder {
     let folder = Folder::new();
+    let copy = |file: &str| _ = folder.write(file, fs::read(project(file)).expect("it is readable"));
     for entry in fs::read_dir(project("examples/arm")).expect("the example is there") {
-        let file = entry.expect("it is readable");
-        folder.write(Path::new("examples/arm").join(file.file_name()), fs::read(file.path()).expect("it is readable"));
+        let name = entry.expect("it is readable").file_name();
+        copy(&format!("examples/arm/{}", name.display()));
     }
+    ["robots/five_bar.toml", "experiments/five_bar.toml"].into_iter().for_each(copy);
     folder
 }
 

@@ -32,8 +32,10 @@ impl WithSimd for SideBySide<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let mut work = Work::new(self.jobs, Lanes::<S>::COUNT);
         let ClosedLoop { model, sign_velocity_scale, .. } = self.jobs[0].closed_loop;
+        // The kernel of lanes takes trees.
+        let lanes = if model.has_loops() { 1 } else { Lanes::<S>::COUNT };
+        let mut work = Work::new(self.jobs, lanes);
         let (n, zero) = (model.coordinate_count(), Lanes::splat(simd, 0.0));
         let sign = Sign::Smooth { scale: sign_velocity_scale };
         let mut workspace = Workspace::like(model, zero);

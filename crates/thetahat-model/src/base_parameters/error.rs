@@ -1,3 +1,5 @@
+use crate::dynamics::DynamicsError;
+
 /// Why base parameters cannot be found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -17,6 +19,12 @@ pub enum BaseParametersError {
         hint: String,
         /// The base parameters.
         known: Vec<String>,
+    },
+    /// The loops of links cannot be closed.
+    #[error("[[loop]]: {source}")]
+    Loops {
+        /// What is wrong with them.
+        source: DynamicsError,
     },
     /// No parameter acts on any torque: all that do are excluded.
     #[error("`exclude` leaves no parameter that acts on any torque; exclude fewer")]

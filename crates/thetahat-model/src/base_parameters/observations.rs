@@ -29,6 +29,7 @@ pub(super) fn random_states(model: &Model, count: usize) -> [Series; 3] {
         for (series, range) in states.iter_mut().zip([3.0, 2.0, 5.0]) {
             series.sample_mut(k).fill_with(|| rng.random_range(-range..range));
         }
+        model.reach(states[0].sample_mut(k));
     }
     if !model.terms().is_empty() {
         for velocity in states[1].values_mut() {

@@ -44,8 +44,11 @@ impl BaseParameters {
     /// # Errors
     /// [`BaseParametersError`] for an unknown name or a rank that is not clear.
     pub fn of(model: &Model, excluded: &[String]) -> Result<Self, BaseParametersError> {
+        model.check_loops().map_err(|source| BaseParametersError::Loops { source })?;
         let considered = considered(model.parameter_table(), excluded)?;
-        let found = STATES.iter().find_map(|&states| joint_by_joint::dependencies(model, &considered, states));
+        // Loops carry torques from any joint to any other: there is no order of the joints.
+        let attempts = if model.has_loops() { &[][..] } else { &STATES };
+        let found = attempts.iter().find_map(|&states| joint_by_joint::dependencies(model, &considered, states));
         let dependencies = found.map_or_else(|| whole::dependencies(model, &considered), Ok)?;
         Ok(Self::from_dependencies(model.parameter_table(), &considered, &dependencies))
     }

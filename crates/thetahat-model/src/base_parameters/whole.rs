@@ -13,6 +13,8 @@ use thetahat_ground::linear_algebra::{Matrix, PivotedQr, dot, norm};
 
 /// Random states whose rows are examined: several times as many rows as there can be parameters.
 const STATES: usize = 100;
+/// Rows for each column, of robots whose loops leave few coordinates.
+const ROWS_FOR_EACH: usize = 4;
 /// Part of a column, relative to its norm, below which it counts as spanned by earlier ones; also the relative
 /// tolerance of the rank. Spanned columns leave about 1e-14, independent ones more than 1e-4 for real geometries.
 const TOLERANCE: f64 = 1e-9;
@@ -41,12 +43,13 @@ pub(super) fn dependencies(model: &Model, considered: &[usize]) -> Result<Depend
 pub(super) fn random_observations(model: &Model, indices: &[usize]) -> Matrix {
     let n = model.coordinate_count();
     let regressor = Regressor::new(model, indices);
-    let [q, dq, ddq] = random_states(model, STATES);
-    let channels = random_channels(model, STATES);
+    let states = STATES.max(ROWS_FOR_EACH * indices.len() / n);
+    let [q, dq, ddq] = random_states(model, states);
+    let channels = random_channels(model, states);
     let mut workspace = Workspace::new(model);
     let mut phi = vec![0.0; regressor.entries().len()];
-    let mut x = Matrix::zeros(STATES * n, indices.len());
-    for k in 0..STATES {
+    let mut x = Matrix::zeros(states * n, indices.len());
+    for k in 0..states {
         let [q, dq, ddq] = [&q, &dq, &ddq].map(|x| x.sample(k));
         let recorded = channels.as_ref().map_or(&[][..], |channels| channels.sample(k));
         let state = State::new(q, dq).with_channels(recorded);

@@ -1,6 +1,6 @@
 //! Derivatives of the drives' torques with respect to velocities: exact, from the torque kernel.
 
-use super::{model::Model, parameters::DynamicParameters, sign::Sign, state::State};
+use super::{loops::LoopScratch, model::Model, parameters::DynamicParameters, sign::Sign, state::State};
 use thetahat_ground::real::Dual;
 
 /// Scratch of [`Model::damping_into`].
@@ -12,6 +12,8 @@ pub struct DampingWorkspace {
     dq: Vec<Dual>,
     zeros: Vec<Dual>,
     tau: Vec<Dual>,
+    /// Scratch of loops.
+    loops: Option<Box<(LoopScratch, Self)>>,
 }
 
 impl Model {
@@ -29,8 +31,13 @@ impl Model {
         workspace: &mut DampingWorkspace,
         d: &mut [f64],
     ) {
+        if let Some(closed) = self.closed() {
+            let new = || Box::new((LoopScratch::new(closed), DampingWorkspace::default()));
+            let (scratch, of_tree) = &mut **workspace.loops.get_or_insert_with(new);
+            return closed.damping(parameters, state, sign, (scratch, of_tree), d);
+        }
         let n = state.dq.len();
-        let DampingWorkspace { q, channels, dq, zeros, tau } = workspace;
+        let DampingWorkspace { q, channels, dq, zeros, tau, .. } = workspace;
         channels.clear();
         channels.extend(state.channels.iter().map(|&value| Dual::constant(value)));
         q.clear();

@@ -4,6 +4,9 @@ use thetahat_ground::vector::{Vec3, dot};
 impl Model {
     /// Kinetic and potential energy in J, motor inertias included. The potential is zero at the base's origin.
     pub fn energy(&self, parameters: &DynamicParameters, state: State<'_>, workspace: &mut Workspace) -> f64 {
+        if let Some(closed) = self.closed() {
+            return closed.energy(parameters, state);
+        }
         let State { q, dq, .. } = state;
         let n = self.coordinate_count();
         let mut m = vec![0.0; n * n];

@@ -17,7 +17,17 @@ pub(crate) struct JointFrame {
 impl Model {
     /// The frames of all joints at the coordinates `q`.
     pub(crate) fn frames(&self, q: &[f64]) -> Vec<JointFrame> {
-        let mut frames: Vec<JointFrame> = Vec::with_capacity(self.joints.len());
+        if let Some(closed) = self.closed() {
+            return closed.tree.frames(&closed.positions(q));
+        }
+        let mut frames = Vec::with_capacity(self.joints.len());
+        self.frames_into(q, &mut frames);
+        frames
+    }
+
+    /// The same into a list that is used again.
+    pub(super) fn frames_into(&self, q: &[f64], frames: &mut Vec<JointFrame>) {
+        frames.clear();
         for joint in &self.joints {
             let (rotation, place) = joint.placement(q);
             let turned = |x: Vec3| joint.turn.as_ref().map_or(x, |turn| turn.times(x));
@@ -34,7 +44,6 @@ impl Model {
                 },
             });
         }
-        frames
     }
 
     /// Adds the derivatives of a point's position along a direction with respect to the coordinates; joint `j` moves the point.
@@ -58,6 +67,9 @@ impl Model {
     /// The origin of joint `j`'s frame and its z axis, in the frame of the base, at the coordinates `q`.
     #[doc(hidden)]
     pub fn frame(&self, j: usize, q: &[f64]) -> (Vec3, Vec3) {
+        if let Some(closed) = self.closed() {
+            return closed.frame(j, q);
+        }
         let (mut origin, mut axis) = ([0.0; 3], Z);
         let mut carrier = j;
         while let Some(joint) = self.joints.get(carrier) {

@@ -32,7 +32,8 @@ impl Jacobian {
 
 impl Model {
     /// `d ID / d q` and `d ID / d dq` of inverse dynamics `ID(q, dq, ddq)`, friction and coupled motors included, at each of
-    /// the `samples` of a motion, at the same indices of `out`: by dual numbers, with one direction in each lane of a vector.
+    /// the `samples` of a motion, at the same indices of `out`: by dual numbers, with one direction in each lane of a vector; of loops by
+    /// central differences.
     /// The derivative with respect to the accelerations is the mass matrix.
     #[doc(hidden)]
     pub fn inverse_dynamics_jacobians(
@@ -44,6 +45,9 @@ impl Model {
         sign: Sign,
         out: &mut [Jacobian],
     ) {
+        if let Some(closed) = self.closed() {
+            return closed.jacobians(parameters, motion, samples, sign, out);
+        }
         pulp::Arch::new().dispatch(Kernel { model: self, parameters, motion, channels, samples, sign, out });
     }
 }

@@ -1,6 +1,7 @@
 use super::{
     coupled_motor::{CoupledMotor, coupled_motors},
     geometry::JointGeometry,
+    loops::ClosedTree,
     sign::Sign,
     state::{JointCoordinate, State},
     term_columns::{ModelTerm, terms_of},
@@ -27,6 +28,40 @@ pub enum DynamicsError {
         /// The pivot found there.
         pivot: f64,
     },
+    /// The conditions of a loop are not met where its description closes it.
+    #[error(
+        "loop {number} stays open by {gap:.2e} m: correct its points, or give in near_deg and near_m positions at which it is \
+         closed"
+    )]
+    LoopOpen {
+        /// The loop, from one.
+        number: usize,
+        /// The gap, m.
+        gap: f64,
+    },
+    /// The conditions of the loops do not determine a passive joint in this position.
+    #[error(
+        "the loops do not determine joint {joint}: the position is singular or out of reach; keep away from it, or give in \
+         near_deg and near_m positions on the branch that is meant"
+    )]
+    LoopSingular {
+        /// The passive joint, from one.
+        joint: usize,
+    },
+    /// More passive joints than equations.
+    #[error("the loops have {equations} equations for {passive} passive joints; name fewer joints in `passive`")]
+    LoopConditions {
+        /// Equations of the conditions.
+        equations: usize,
+        /// Passive joints.
+        passive: usize,
+    },
+    /// The conditions hold a joint that is driven.
+    #[error("the loops hold joint {joint}, which is driven; name in `passive` one more joint that the loops move")]
+    LoopHolds {
+        /// The joint, from one.
+        joint: usize,
+    },
     /// There is not one value for each standard parameter.
     #[error("expected {expected} parameter values, one for each standard parameter of the robot, found {found}")]
     ParameterCount {
@@ -52,6 +87,9 @@ pub struct Model {
     table: ParameterTable,
     pub(super) terms: Vec<ModelTerm>,
     channels: Vec<String>,
+    /// The tree and its conditions if loops move some joints; the other fields then hold the joints as they move near the position at
+    /// which the description closes the loops.
+    closed: Option<Box<ClosedTree>>,
 }
 
 /// The coordinates that move a link, those nearer to the base first, and where their twists are in the workspace.
@@ -70,6 +108,11 @@ impl Model {
     /// The model of a robot.
     #[must_use]
     pub fn new(robot: &Robot) -> Self {
+        if robot.loops.is_empty() { Self::of_tree(robot) } else { Self::of_loops(robot) }
+    }
+
+    /// The model of a robot whose joints are a tree.
+    pub(super) fn of_tree(robot: &Robot) -> Self {
         let coordinates = robot.coordinate_joints();
         let geometry = |j| JointGeometry::new(robot, j, &coordinates);
         let joints: Vec<JointGeometry> = (0..robot.joints.len()).map(geometry).collect();
@@ -84,7 +127,30 @@ impl Model {
             channels: robot.channels(),
             joints,
             coordinates,
+            closed: None,
         }
+    }
+
+    fn of_loops(robot: &Robot) -> Self {
+        let closed = ClosedTree::new(robot);
+        let mut model = Self::of_tree(robot);
+        for (joint, of_tree) in model.joints.iter_mut().zip(&closed.tree.joints) {
+            joint.follow_loops(of_tree, &closed);
+        }
+        model.support = support(&model.joints);
+        model.has_sums = true;
+        Self { closed: Some(Box::new(closed)), ..model }
+    }
+
+    /// The tree and its conditions, if loops move some of the joints.
+    #[inline(always)]
+    pub(crate) fn closed(&self) -> Option<&ClosedTree> {
+        self.closed.as_deref()
+    }
+
+    /// The model with the parameters of another robot of the same joints.
+    pub(super) fn with_table(self, table: ParameterTable) -> Self {
+        Self { table, ..self }
     }
 
     /// Number of coordinates: the length of `q` and `tau`.

@@ -26,6 +26,9 @@ impl Model {
         workspace: &mut Workspace,
         tau: &mut [f64],
     ) {
+        if let (Some(closed), Some(scratch)) = (self.closed(), workspace.loops.as_deref_mut()) {
+            return closed.inverse_dynamics(parameters, [state.q, state.dq, ddq], sign, scratch, tau);
+        }
         pulp::Arch::new().dispatch(InverseDynamics { model: self, parameters, state, ddq, sign, workspace, tau });
     }
 
@@ -45,6 +48,10 @@ impl Model {
         workspace: &mut Workspace,
         ddq: &mut [f64],
     ) -> Result<(), DynamicsError> {
+        if let (Some(closed), Some(scratch)) = (self.closed(), workspace.loops.as_deref_mut()) {
+            let scratch = (scratch, &mut workspace.mass_matrix[..]);
+            return closed.forward_dynamics(parameters, [state.q, state.dq, tau], sign, scratch, ddq);
+        }
         let kernel = ForwardDynamics { model: self, parameters, state, tau, sign, workspace, ddq };
         pulp::Arch::new().dispatch(kernel).map_err(|(coordinate, pivot)| DynamicsError::MassMatrixNotPositiveDefinite {
             joint: self.coordinates[coordinate] + 1,
@@ -57,7 +64,12 @@ impl Model {
     /// # Panics
     /// As [`Model::inverse_dynamics`], and if `m` has fewer entries than the matrix.
     pub fn mass_matrix(&self, parameters: &DynamicParameters, q: &[f64], workspace: &mut Workspace, m: &mut [f64]) {
-        pulp::Arch::new().dispatch(MassMatrix { model: self, parameters, q, workspace });
+        match (self.closed(), workspace.loops.as_deref_mut()) {
+            (Some(closed), Some(scratch)) => closed.mass_matrix(parameters, q, scratch, &mut workspace.mass_matrix),
+            (None, _) | (_, None) => {
+                pulp::Arch::new().dispatch(MassMatrix { model: self, parameters, q, workspace });
+            }
+        }
         let n = self.coordinate_count();
         m.copy_from_slice(&workspace.mass_matrix);
         for i in 1..n {

@@ -82,8 +82,8 @@ impl WithSimd for Batches<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> usize {
-        if Lanes::<S>::COUNT == 1 {
-            // With one lane, the kernel for one state does all the work.
+        if Lanes::<S>::COUNT == 1 || self.model.has_loops() {
+            // With one lane, and of loops, the kernel for one state does all the work.
             return 0;
         }
         let zero = Lanes::splat(simd, 0.0);

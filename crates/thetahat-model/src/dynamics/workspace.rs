@@ -1,5 +1,6 @@
 use super::{
     inertial::{Inertial, Wrench},
+    loops::LoopScratch,
     model::Model,
     motion::LinkMotion,
     twist::Twist,
@@ -19,6 +20,8 @@ pub struct Workspace<T = f64> {
     pub(super) mass_matrix: Vec<T>,
     pub(super) rhs: Vec<T>,
     pub(super) zeros: Vec<T>,
+    /// Scratch of loops; none of a tree.
+    pub(crate) loops: Option<Box<LoopScratch>>,
 }
 
 impl Workspace {
@@ -48,6 +51,7 @@ impl<T: Copy> Workspace<T> {
             mass_matrix: vec![zero; n * n],
             rhs: vec![zero; n],
             zeros: vec![zero; n],
+            loops: model.closed().map(|closed| Box::new(LoopScratch::new(closed))),
         }
     }
 }

@@ -22,6 +22,7 @@
 
 mod batch;
 mod inertial;
+mod loops;
 mod observation;
 mod slopes;
 

@@ -1,4 +1,7 @@
-use super::inertial::{InertialEntries, InertialEntry};
+use super::{
+    inertial::{InertialEntries, InertialEntry},
+    loops::OfTree,
+};
 use crate::{
     dynamics::{JointCoordinate, Model, Sign, State, Workspace},
     robot::{JointQuantity, MotorQuantity, Parameter, Quantity, TermQuantity},
@@ -25,6 +28,8 @@ pub struct Regressor {
     columns: usize,
     /// The recorded channels that torque terms use, sample by sample of the motion.
     channels: Option<Series>,
+    /// The regressor of the tree if loops move some of the joints; the entries above are then empty but for their places.
+    of_tree: Option<Box<OfTree>>,
 }
 
 /// The source of an entry.
@@ -87,6 +92,15 @@ impl Regressor {
     /// If an index is beyond the table.
     #[must_use]
     pub fn new(model: &Model, indices: &[usize]) -> Self {
+        if let Some((entries, of_tree)) = OfTree::new(model, indices) {
+            let columns = indices.len();
+            return Self { entries, columns, of_tree: Some(Box::new(of_tree)), ..Self::of_tree(model, &[]) };
+        }
+        Self::of_tree(model, indices)
+    }
+
+    /// The same of a model whose joints are a tree.
+    fn of_tree(model: &Model, indices: &[usize]) -> Self {
         let mut placed = Vec::new();
         for (column, &index) in indices.iter().enumerate() {
             let sources = sources_of(model, model.parameter_table().get(index));
@@ -102,7 +116,7 @@ impl Regressor {
                 Source::Drive(entry) => drives.push(entry),
             }
         }
-        Self { entries, inertial, drives, columns: indices.len(), channels: None }
+        Self { entries, inertial, drives, columns: indices.len(), channels: None, of_tree: None }
     }
 
     /// The entries, in the order in which [`Regressor::evaluate`] writes them.
@@ -146,6 +160,9 @@ impl Regressor {
         workspace: &mut Workspace,
         phi: &mut [f64],
     ) {
+        if let Some(of_tree) = &self.of_tree {
+            return of_tree.evaluate(model, (state, ddq), sign, workspace, phi);
+        }
         let kernel = OneSample { regressor: self, model, state, ddq, sign, workspace, phi };
         pulp::Arch::new().dispatch(kernel);
     }

@@ -15,9 +15,13 @@ impl Regressor {
     /// The derivatives of `sum_jc w_kjc phi_jc(q_k, dq_k, ddq_k)` with respect to `q_k`, `dq_k` and `ddq_k`, sample by sample.
     ///
     /// `weights` have the layout of the rows of [`Regressor::evaluate_rows`]: sample by sample, coordinate by coordinate,
-    /// column by column. Recorded channels are not supported: torque terms that need one have no slopes here.
+    /// column by column. Recorded channels are not supported: torque terms that need one have no slopes here. Of loops they are central
+    /// differences.
     #[doc(hidden)]
     pub fn weighted_slopes(&self, model: &Model, motion: [&Series; 3], weights: &[f64], sign: Sign) -> [Series; 3] {
+        if model.has_loops() {
+            return self.slopes_by_differences(model, motion, weights, sign);
+        }
         let [samples, joints] = [motion[0].len(), model.coordinate_count()];
         let mut slopes = [(); 3].map(|()| Series::zeros(samples, joints));
         let places: Vec<usize> = self.entries().iter().map(|e| e.joint * self.columns() + e.column).collect();

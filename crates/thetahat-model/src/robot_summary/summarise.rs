@@ -48,6 +48,7 @@ fn joints(robot: &Robot) -> Vec<JointSummary> {
             kind: joint.kind,
             parent: joint.parent.map(|p| p + 1),
             coordinate: coordinates.iter().position(|&c| c == j).map(|c| c + 1),
+            passive: joint.passive,
             mimic: joint.mimic.map(|m| MimicSummary { joint: m.of + 1, ratio: m.ratio, offset: m.offset }),
             also_follows: joint
                 .also_follows

@@ -47,8 +47,11 @@ pub struct JointSummary {
     pub kind: JointKind,
     /// The joint whose link carries it; none for the base.
     pub parent: Option<usize>,
-    /// Its index in q and tau, from one; none if it follows another joint.
+    /// Its index in q and tau, from one; none if it follows another joint, or loops of links move it.
     pub coordinate: Option<usize>,
+    /// Whether loops of links move it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub passive: bool,
     /// The joint that it follows.
     pub mimic: Option<MimicSummary>,
     /// Further joints that it follows: its coordinate is the sum.

@@ -50,6 +50,11 @@ impl Robot {
         for (j, joint) in self.joints.iter().enumerate() {
             joint.parent.into_iter().chain(joint.mimic.map(|m| m.of)).for_each(|other| join(j, other));
         }
+        for of_loop in &self.loops {
+            let passive = (0..self.joints.len()).filter(|&j| self.joints[j].passive);
+            let joints: Vec<usize> = of_loop.from.joint.into_iter().chain(of_loop.to.joint).chain(passive).collect();
+            joints.windows(2).for_each(|pair| join(pair[0], pair[1]));
+        }
         let coordinates = self.coordinate_joints();
         for motor in 0..self.transmission.joints() {
             let turned = self.transmission.coordinates_of(motor);
@@ -87,6 +92,7 @@ impl Robot {
         let robot = Robot {
             joints: joints.iter().map(renumbered).collect(),
             transmission: self.transmission.part(&motors, &coordinates)?,
+            loops: self.loops.iter().filter_map(|of_loop| of_loop.renumbered(&place)).collect(),
             a_priori: BTreeMap::new(),
             ..self.clone()
         };

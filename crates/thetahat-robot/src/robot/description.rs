@@ -5,16 +5,17 @@ use serde::Serialize;
 use super::{
     joint::{Joint, JointKind},
     locking::LockedJoint,
-    parameters::ParameterTable,
-    quantity::{Friction, JointQuantity},
+    loops::Loop,
+    parameters::{Parameter, ParameterTable},
+    quantity::{Friction, JointQuantity, Quantity},
     terms::{TermColumn, TermDescription, channels_of},
     transmission::Transmission,
 };
 
-/// A robot, serial or a tree, with its transmission, friction model and a-priori parameters.
+/// A robot, serial or a tree, perhaps with loops of links, with its transmission, friction model and a-priori parameters.
 ///
 /// Joint and link k have index k - 1 in `joints`, and own the parameters with number k. The *coordinates*, by which q, tau,
-/// motors and recorded channels are indexed, are the joints that follow no other.
+/// motors and recorded channels are indexed, are the joints that follow no other and that no loop moves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robot {
     /// Its name.
@@ -23,6 +24,8 @@ pub struct Robot {
     pub gravity: [f64; 3],
     /// The moving joints, parents before children.
     pub joints: Vec<Joint>,
+    /// Conditions that close loops of links.
+    pub loops: Vec<Loop>,
     /// Motors to coordinates.
     pub transmission: Transmission,
     /// The friction model of the joints.
@@ -102,13 +105,13 @@ impl Robot {
 
     /// The joints that follow no other, in the order of q, tau, motors and recorded channels.
     pub fn coordinates(&self) -> impl Iterator<Item = &Joint> {
-        self.joints.iter().filter(|joint| joint.mimic.is_none())
+        self.joints.iter().filter(|joint| joint.has_coordinate())
     }
 
     /// Index in `joints` of the joint of each coordinate.
     #[must_use]
     pub fn coordinate_joints(&self) -> Vec<usize> {
-        (0..self.joints.len()).filter(|&j| self.joints[j].mimic.is_none()).collect()
+        (0..self.joints.len()).filter(|&j| self.joints[j].has_coordinate()).collect()
     }
 
     /// Index in `joints` of the joint of one coordinate, from zero.
@@ -127,7 +130,11 @@ impl Robot {
         let joints = self.coordinate_joints();
         let coupled = self.transmission.coupled_motors();
         let motors: Vec<usize> = coupled.into_iter().filter_map(|i| joints.get(i).copied()).collect();
-        ParameterTable::new(&kinds, self.friction, &motors).with_terms(&self.terms)
+        let table = ParameterTable::new(&kinds, self.friction, &motors).with_terms(&self.terms);
+        // A joint that a loop moves has bearings, but no motor.
+        let of_motor = [JointQuantity::Ia, JointQuantity::Off].map(Quantity::Joint);
+        let is_passive = |p: &Parameter| of_motor.contains(&p.quantity) && self.joints[p.number - 1].passive;
+        if self.loops.is_empty() { table } else { table.without(is_passive) }
     }
 
     /// The recorded channels that its terms use, without duplicates.

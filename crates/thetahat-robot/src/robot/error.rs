@@ -104,6 +104,16 @@ pub enum RobotError {
         /// The row or condition that is singular.
         reason: String,
     },
+    /// A loop of links that cannot be closed.
+    #[error("{}: [[loop]] `{name}` {problem}", path.display())]
+    Loop {
+        /// The file.
+        path: PathBuf,
+        /// The loop.
+        name: String,
+        /// What is wrong with it, and what to do.
+        problem: String,
+    },
     /// A value is NaN or infinite.
     #[error("{}: {key} is {found}, expected finite numbers", path.display())]
     NotFinite {

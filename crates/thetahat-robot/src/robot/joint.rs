@@ -75,6 +75,8 @@ pub struct Joint {
     /// Further joints that it follows at the same time, each another one: its coordinate is the sum of the shares of all, and its torque
     /// acts on each. Empty without `mimic`.
     pub also_follows: Vec<Share>,
+    /// Whether loops of links move it: it has no motor, and no coordinate of its own.
+    pub passive: bool,
     /// Its known limits.
     pub limits: Limits,
 }
@@ -114,6 +116,12 @@ pub struct Share {
 }
 
 impl Joint {
+    /// Whether it has a coordinate of its own: it follows no other joint, and no loop moves it.
+    #[must_use]
+    pub fn has_coordinate(&self) -> bool {
+        self.mimic.is_none() && !self.passive
+    }
+
     /// The joints that it follows, with their shares; none if it has a coordinate of its own.
     pub fn follows(&self) -> impl Iterator<Item = Share> + '_ {
         let first = self.mimic.map(|mimic| Share { of: mimic.of, ratio: mimic.ratio });

@@ -1,6 +1,6 @@
 //! The robot as data: links and joints, transmission, friction, and the one table of standard parameters.
 //!
-//! A robot is a tree of revolute and prismatic joints, read from our TOML in Denavit-Hartenberg form (modified, with
+//! A robot is a tree of revolute and prismatic joints, whose loops of links are closed by conditions, read from our TOML in Denavit-Hartenberg form (modified, with
 //! Khalil's gamma and b for trees, or standard), from a URDF, from an MJCF, or from a TOML that stands on one of them. Its
 //! dynamic parameters are named once, in [`ParameterTable`].
 //!
@@ -23,6 +23,7 @@ mod error;
 mod joint;
 mod loading;
 mod locking;
+mod loops;
 mod mjcf;
 mod parameters;
 mod physical;
@@ -46,6 +47,7 @@ pub use joint::{DenavitHartenberg, Joint, JointKind, Limits, Mimic, Placement, S
 #[doc(hidden)]
 pub use locking::LinkPart;
 pub use locking::{LockError, LockedJoint, Locks};
+pub use loops::{Loop, LoopFrame, LoopKind};
 pub use mjcf::MjcfError;
 pub use parameters::{Parameter, ParameterTable};
 pub use physical::NotPhysical;

@@ -74,6 +74,12 @@ impl ParameterTable {
         self
     }
 
+    /// The table without some parameters.
+    pub(super) fn without(mut self, is_gone: impl Fn(&Parameter) -> bool) -> Self {
+        self.parameters.retain(|parameter| !is_gone(parameter));
+        self
+    }
+
     /// Number of parameters.
     #[must_use]
     pub fn len(&self) -> usize {

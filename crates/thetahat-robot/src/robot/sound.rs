@@ -34,6 +34,12 @@ impl Robot {
         if self.transmission.joints() != self.coordinate_count() {
             return fail("transmission".to_owned(), "has another number of joints than follow no other");
         }
+        if self.loops.iter().any(|of_loop| of_loop.joints().any(|joint| joint >= self.joints.len())) {
+            return fail("loops".to_owned(), "name a joint that the robot does not have");
+        }
+        if self.joints.iter().any(|joint| joint.passive) == self.loops.is_empty() {
+            return fail("loops".to_owned(), "are needed with passive joints, and passive joints with loops");
+        }
         if !self.gravity.iter().all(|g| g.is_finite()) {
             return fail("gravity".to_owned(), "is not finite");
         }

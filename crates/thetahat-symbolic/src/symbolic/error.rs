@@ -16,6 +16,11 @@ pub enum SymbolicError {
         /// The joint.
         joint: String,
     },
+    /// Loops of links move some of the joints.
+    #[error(
+        "the robot has loops of links, which generated code does not solve yet; `thetahat predict`, Python and Rust compute its torques"
+    )]
+    Loops,
     /// A torque term uses a recorded channel.
     #[error(
         "the torque term of `{parameter}` takes the recorded channel `{channel}`, which is no input of generated code; take the term \

@@ -155,6 +155,9 @@ impl<'a> Made<'a> {
         if let Some(joint) = robot.joints.iter().find(|joint| !joint.also_follows.is_empty()) {
             return Err(SymbolicError::FollowsSeveral { joint: joint.name.clone() });
         }
+        if !robot.loops.is_empty() {
+            return Err(SymbolicError::Loops);
+        }
         let model = Model::new(robot);
         let base = match request.parameters {
             ParameterSet::Base if request.model.has_parameters() => Some(BaseParameters::of(&model, &[])?),

@@ -43,6 +43,9 @@ impl Export {
     pub fn check(&self) -> Result<f64, ExportError> {
         match self.format {
             ExportFormat::Urdf => compare(&self.represented, &read_back(&self.text, &self.represented.robot)?),
+            ExportFormat::Mjcf if self.has_written_loops() => {
+                compare(&self.represented, &read_back(&self.text, &self.represented.robot)?)
+            }
             ExportFormat::Mjcf => compare(&self.represented, &self.read_model()?),
             ExportFormat::Sdf => {
                 let links = sdf_read::read(&self.text, &self.represented)?;
@@ -53,6 +56,11 @@ impl Export {
             ExportFormat::Isaac => self.compare_actuators(ActuatorFormat::Isaac),
             ExportFormat::Bam => self.compare_actuators(ActuatorFormat::Bam),
         }
+    }
+
+    /// Whether the file has loops of ours, and no tendons, which a robot description does not read.
+    fn has_written_loops(&self) -> bool {
+        !self.represented.robot.loops.is_empty() && self.represented.tendons.is_empty() && !self.is_edited_model
     }
 
     fn compare_actuators(&self, format: ActuatorFormat) -> Result<f64, ExportError> {
@@ -95,7 +103,8 @@ fn compare(represented: &RepresentedRobot, back: &Robot) -> Result<f64, ExportEr
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let mut worst = (0.0, 0);
     for _ in 0..STATES {
-        let state = RANGES.map(|range| names.iter().map(|_| rng.random_range(-range..range)).collect::<Vec<f64>>());
+        let mut state = RANGES.map(|range| names.iter().map(|_| rng.random_range(-range..range)).collect::<Vec<f64>>());
+        exported.model.reach(&mut state[0]);
         let expected = exported.at(&state);
         let found = read.at(&state.map(|values| order.iter().map(|&k| values[k]).collect()));
         let largest = expected.iter().fold(f64::MIN_POSITIVE, |m, t| m.max(t.abs()));

@@ -80,6 +80,25 @@ pub enum ExportError {
         /// The format.
         format: ExportFormat,
     },
+    /// Loops of links, which the format has not.
+    #[error(
+        "the robot has loops of links, and {} has trees of joints alone; MJCF and JSON have loops, and a MuJoCo model of your own \
+         keeps them",
+        format.title()
+    )]
+    Loops {
+        /// The format.
+        format: ExportFormat,
+    },
+    /// A loop that keeps two points at a distance, which an MJCF has not.
+    #[error(
+        "loop `{name}` keeps two points at a distance, and an MJCF has no such constraint; JSON has, and a MuJoCo model of your own \
+         keeps its rod as a body"
+    )]
+    Rod {
+        /// The loop.
+        name: String,
+    },
     /// A format of drives has those of single joints.
     #[error("{} has a drive for each joint, and motor {motor} turns several; JSON and MJCF have such motors", format.title())]
     CoupledActuators {

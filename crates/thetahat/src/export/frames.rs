@@ -48,22 +48,26 @@ impl LinkFrame {
 
     /// The rotation as a unit quaternion: w, x, y, z.
     pub(super) fn quaternion(&self) -> [f64; 4] {
-        let r = &self.rotation;
-        let [xx, yy, zz] = [r[0][0], r[1][1], r[2][2]];
-        let squares = [1.0 + xx + yy + zz, 1.0 + xx - yy - zz, 1.0 - xx + yy - zz, 1.0 - xx - yy + zz];
-        let largest = (0..4).fold(0, |best, k| if squares[k] > squares[best] { k } else { best });
-        let [wx, wy, wz] = [r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]];
-        let [xy, xz, yz] = [r[0][1] + r[1][0], r[0][2] + r[2][0], r[1][2] + r[2][1]];
-        let own = squares[largest];
-        let unscaled = match largest {
-            0 => [own, wx, wy, wz],
-            1 => [wx, own, xy, xz],
-            2 => [wy, xy, own, yz],
-            _ => [wz, xz, yz, own],
-        };
-        let length = unscaled.iter().map(|v| v * v).sum::<f64>().sqrt();
-        unscaled.map(|v| v / length)
+        quaternion_of(&self.rotation)
     }
+}
+
+/// A rotation as a unit quaternion: w, x, y, z.
+pub(super) fn quaternion_of(r: &Mat3) -> [f64; 4] {
+    let [xx, yy, zz] = [r[0][0], r[1][1], r[2][2]];
+    let squares = [1.0 + xx + yy + zz, 1.0 + xx - yy - zz, 1.0 - xx + yy - zz, 1.0 - xx - yy + zz];
+    let largest = (0..4).fold(0, |best, k| if squares[k] > squares[best] { k } else { best });
+    let [wx, wy, wz] = [r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]];
+    let [xy, xz, yz] = [r[0][1] + r[1][0], r[0][2] + r[2][0], r[1][2] + r[2][1]];
+    let own = squares[largest];
+    let unscaled = match largest {
+        0 => [own, wx, wy, wz],
+        1 => [wx, own, xy, xz],
+        2 => [wy, xy, own, yz],
+        _ => [wz, xz, yz, own],
+    };
+    let length = unscaled.iter().map(|v| v * v).sum::<f64>().sqrt();
+    unscaled.map(|v| v / length)
 }
 
 /// Cosine of the pitch below which yaw and roll turn about the same axis.

@@ -1,7 +1,10 @@
 //! The robot that an exported file describes, in the names of the robot that was exported.
 
 use super::{coupling::Tendon, represented::RepresentedRobot};
-use thetahat_model::robot::{Frame, INERTIAL, JointQuantity, MotorQuantity, Parameter, Placement, Quantity, Robot};
+use thetahat_ground::vector::{Mat3, product, times};
+use thetahat_model::robot::{
+    Frame, INERTIAL, JointQuantity, LoopFrame, MotorQuantity, Parameter, Placement, Quantity, Robot,
+};
 
 /// A link with its joint as a file has them.
 #[derive(Debug, Clone, Copy)]
@@ -33,6 +36,18 @@ pub(super) fn robot_of(
 ) -> Robot {
     let mut robot = represented.robot.clone();
     if kinematics == Kinematics::File {
+        let in_joint = |frame: LoopFrame| {
+            let axes = frame.joint.and_then(|joint| represented.robot.joints[joint].link_axes);
+            let turned = |axes: Mat3| LoopFrame {
+                rotation: product(&axes, &frame.rotation),
+                origin: times(&axes, frame.origin),
+                ..frame
+            };
+            axes.map_or(frame, turned)
+        };
+        for of_loop in &mut robot.loops {
+            (of_loop.from, of_loop.to) = (in_joint(of_loop.from), in_joint(of_loop.to));
+        }
         for (joint, link) in robot.joints.iter_mut().zip(links) {
             joint.placement = Placement::new(&link.joint.rotation, link.joint.origin);
             joint.link_axes = None;

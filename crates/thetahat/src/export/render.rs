@@ -14,7 +14,7 @@ use super::{
     urdf_edit::edited,
     urdf_new,
 };
-use thetahat_model::robot::Robot;
+use thetahat_model::robot::{Loop, LoopKind, Robot};
 
 /// What an export is made of.
 #[derive(Debug, Clone, Copy)]
@@ -102,6 +102,7 @@ pub(super) fn export_with_loop(
 ) -> Result<Export, ExportError> {
     let keeps_the_file = matches!((target, urdf), (Target::File(ExportFormat::Urdf), Some(_)));
     require_one_leader(robot, target.format(), keeps_the_file)?;
+    require_loops(robot, target)?;
     let servos = match target {
         Target::File(ExportFormat::Mjcf) => pd.map(|pd| Servos::of(pd, robot, parameters)),
         Target::File(
@@ -144,6 +145,27 @@ pub(super) fn export_with_loop(
         represented,
         is_edited_model,
     })
+}
+
+/// That the robot is a tree, where the format has no loops.
+fn require_loops(robot: &Robot, target: Target<'_>) -> Result<(), ExportError> {
+    match target {
+        Target::Into(_) | Target::File(ExportFormat::Json) => Ok(()),
+        Target::File(ExportFormat::Mjcf) => match robot.loops.iter().find(|of_loop| is_rod(of_loop)) {
+            Some(rod) => Err(ExportError::Rod { name: rod.name.clone() }),
+            None => Ok(()),
+        },
+        Target::File(format) if !robot.loops.is_empty() => Err(ExportError::Loops { format }),
+        Target::File(_) => Ok(()),
+    }
+}
+
+/// Whether a loop keeps two points at a distance.
+fn is_rod(of_loop: &Loop) -> bool {
+    match of_loop.kind {
+        LoopKind::Distance { .. } => true,
+        LoopKind::Point | LoopKind::Axis | LoopKind::Pose => false,
+    }
 }
 
 /// That no joint follows several others, where the format has no such joint.

@@ -238,6 +238,9 @@ impl Conversion<'_> {
         if self.format == ExportFormat::Mjcf && self.robot.joints.iter().any(|joint| joint.mimic.is_some()) {
             lines.push(format!("{title} has no joints that follow others but by soft constraints (<equality>)"));
         }
+        if self.format == ExportFormat::Mjcf && !self.robot.loops.is_empty() {
+            lines.push(format!("{title} has no loops but by soft constraints (<equality>)"));
+        }
         if self.robot.joints.iter().any(|joint| !joint.also_follows.is_empty()) {
             lines.push(format!(
                 "{title} has no joints that follow several others: other programs take the first <mimic> of each"

@@ -1,7 +1,9 @@
 use std::{error::Error, fmt::Display, sync::Arc};
 
 use thetahat_estimation::{control::ControllerError, signal::SignalError, trajectory::TrajectoryError};
-use thetahat_model::{base_parameters::BaseParametersError, consistency::ConsistencyError, robot::NotARobot};
+use thetahat_model::{
+    base_parameters::BaseParametersError, consistency::ConsistencyError, dynamics::DynamicsError, robot::NotARobot,
+};
 
 /// Why a robot cannot be identified from its recordings with these settings. Keys are those of an experiment file.
 #[derive(Debug, Clone, thiserror::Error)]
@@ -79,6 +81,18 @@ pub enum PreparationError {
         sample: usize,
         /// The value: NaN or an infinity.
         found: f64,
+    },
+    /// The loops of links cannot be closed at a sample.
+    #[error("recording {recording}, sample {sample} (counted from 0), joints at {position:.4?} rad or m: {source}")]
+    OpenLoop {
+        /// The recording.
+        recording: String,
+        /// The sample.
+        sample: usize,
+        /// Positions of the driven joints, rad or m.
+        position: Vec<f64>,
+        /// Which joint is not determined, and what to do.
+        source: DynamicsError,
     },
     /// The robot cannot be computed with.
     #[error("{source}")]

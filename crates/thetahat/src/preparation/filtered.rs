@@ -12,7 +12,7 @@ use thetahat_estimation::{
 };
 use thetahat_ground::{linear_algebra::Matrix, number::significant, series::Series};
 use thetahat_model::{
-    dynamics::{Jump, Model, Sign},
+    dynamics::{DynamicsError, Jump, Model, Sign},
     regressor::Regressor,
 };
 
@@ -75,8 +75,23 @@ impl Setup<'_> {
         let recorded = [&recording.position, &q].map(cut);
         let near_rest = near_rest(&options, scale, recorded.each_ref(), rate);
         let motion = Motion { q: cut(&q), dq: cut(&dq), ddq: cut(&ddq) };
+        self.require_closed_loops(&recording, &motion.q, window.start)?;
         let left_out = left_out(&recording.gaps, &window, rate, options.cutoff_hz);
         Ok(FilteredRecording { motion, payload_torque, fixed_torque, recording, window, left_out, near_rest, channels })
+    }
+
+    /// The loops of links must be closed at every position; `first` is the sample of the recording at which they start.
+    fn require_closed_loops(&self, recording: &Recording, q: &Series, first: usize) -> Result<(), PreparationError> {
+        if self.robot.loops.is_empty() {
+            return Ok(());
+        }
+        let open = |(sample, source): (usize, DynamicsError)| PreparationError::OpenLoop {
+            recording: recording.name.clone(),
+            sample: first + sample,
+            position: q.sample(sample).to_vec(),
+            source,
+        };
+        Model::new(self.robot).check_positions(q).map_err(open)
     }
 
     /// The window of a recording with this motion. One without motion is refused with a stated window as well.

@@ -21,6 +21,7 @@ mod hidden_bias;
 mod locked_joints;
 #[cfg(feature = "parquet")]
 mod long_parquet;
+mod loops;
 mod missing_values;
 mod model;
 mod models;

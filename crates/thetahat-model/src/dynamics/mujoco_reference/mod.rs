@@ -38,8 +38,8 @@ struct StateValues {
     tau: Vec<f64>,
 }
 
-fn robot(name: &str) -> Robot {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/dynamics/mujoco_reference/models");
+fn robot(folder: &str, name: &str) -> Robot {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/dynamics/mujoco_reference").join(folder);
     Robot::read(&folder.join(name).with_extension("xml")).unwrap()
 }
 
@@ -72,10 +72,20 @@ fn same(found: &[f64], expected: &[f64], what: &str) {
 
 #[test]
 fn mass_matrix_bias_forces_and_inverse_dynamics_are_those_of_mujoco() {
-    let values: Values = toml::from_str(VALUES).unwrap();
-    assert_eq!(values.model.len(), 26);
+    compare("models", VALUES, 26);
+}
+
+/// The models of `loops` close: `make_loops.py` projected the dynamics of their trees.
+#[test]
+fn mechanisms_that_close_are_those_of_mujoco() {
+    compare("loops", include_str!("loops.toml"), 2);
+}
+
+fn compare(folder: &str, values: &str, models: usize) {
+    let values: Values = toml::from_str(values).unwrap();
+    assert_eq!(values.model.len(), models);
     for ModelValues { name, joints, state, .. } in values.model {
-        let robot = robot(&name);
+        let robot = robot(folder, &name);
         let model = Model::new(&robot);
         assert_eq!(robot.coordinate_count(), joints, "{name}");
         let full = parameters(&model, &robot, &[Role::CoulombFriction]);
@@ -94,7 +104,7 @@ fn mass_matrix_bias_forces_and_inverse_dynamics_are_those_of_mujoco() {
 fn friction_is_the_frictionloss_of_mujoco() {
     let values: Values = toml::from_str(VALUES).unwrap();
     for ModelValues { name, frictionloss, .. } in values.model {
-        let robot = robot(&name);
+        let robot = robot("models", &name);
         let (table, theta) = (robot.parameter_table(), robot.a_priori_parameters());
         let of_coordinate = |parameter: &crate::robot::Parameter| robot.joints[parameter.number - 1].mimic.is_none();
         let is_friction = |quantity: Quantity| quantity.is_coulomb_friction() && !quantity.is_coupled_motor();

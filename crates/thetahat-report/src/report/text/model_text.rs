@@ -51,10 +51,10 @@ fn short(value: f64) -> String {
 fn head(summary: &RobotSummary, width: TextWidth) -> String {
     let [x, y, z] = summary.gravity.map(given);
     let (links, coordinates) = (summary.joints.len(), summary.coordinates());
-    let follow = match links - coordinates {
-        0 => String::new(),
-        followers => format!(", {followers} of {links} joints following others"),
-    };
+    let passive = summary.joints.iter().filter(|joint| joint.passive).count();
+    let others = [(links - coordinates - passive, "following others"), (passive, "moved by loops of links")];
+    let words = |(count, what): (usize, &str)| (count > 0).then(|| format!(", {count} of {links} joints {what}"));
+    let follow: String = others.into_iter().filter_map(words).collect();
     let facts = [
         ("robot", summary.name.clone()),
         ("source", format!("{} ({})", summary.source, summary.format)),
@@ -156,6 +156,9 @@ fn effort(joint: &JointSummary) -> Option<String> {
 }
 
 fn follows(joint: &JointSummary) -> Option<String> {
+    if joint.passive {
+        return Some("loops".to_owned());
+    }
     let mimic = joint.mimic.as_ref()?;
     let offset = match mimic.offset {
         0.0 => String::new(),

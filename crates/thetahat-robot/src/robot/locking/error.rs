@@ -34,6 +34,9 @@ pub enum LockError {
         /// What is allowed, and what to do.
         expected: String,
     },
+    /// A robot with loops of links: which joint is passive depends on those that move.
+    #[error("locked: the robot has loops of links, whose joints cannot be locked yet; leave out `locked` and `until`")]
+    Loops,
     /// No moving joint is left.
     #[error("locked: no joint is left that moves; leave out one that was recorded")]
     NothingMoves,

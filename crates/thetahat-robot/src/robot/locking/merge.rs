@@ -41,6 +41,9 @@ pub(in crate::robot) fn merged(robot: &Robot, locked: &[Option<f64>]) -> Result<
     if locked.iter().all(Option::is_none) {
         return Ok(robot.clone());
     }
+    if !robot.loops.is_empty() {
+        return Err(LockError::Loops);
+    }
     let Remaining { motors, transmission } = remaining(robot, locked)?;
     let numbers = new_indices(locked);
     let places = places(&robot.joints, locked);

@@ -45,6 +45,13 @@ pub(super) struct BodyPlace {
     frame: Frame,
 }
 
+impl BodyPlace {
+    /// A frame of the body, in that of the link.
+    pub(super) fn in_link(&self, frame: &Frame) -> Frame {
+        self.frame.then(frame)
+    }
+}
+
 impl<'a> Assembly<'a> {
     pub(super) fn of(world: &World<'a>, settings: &Settings, classes: &Classes<'a>) -> Result<Self, MjcfError> {
         let (joints, moving, links) = (Vec::new(), Vec::new(), Vec::new());
@@ -100,6 +107,7 @@ impl<'a> Assembly<'a> {
             also_follows: Vec::new(),
             link_axes: link_axes(&axes),
             mimic: None,
+            passive: false,
             limits: moving.limits,
         }
     }

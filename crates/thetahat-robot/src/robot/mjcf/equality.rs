@@ -1,4 +1,4 @@
-//! `<equality>`: joints that follow others, or are held; everything else would close a loop.
+//! `<equality>`: joints that follow others, or are held; and bodies that close loops.
 
 use std::collections::HashMap;
 
@@ -7,20 +7,23 @@ use super::{
     classes::{Classes, MAIN, Properties},
     element::{Attribute, Element, elements_of},
     error::MjcfError,
+    loops::{ClosedBodies, closed_bodies, closed_positions},
     world::World,
 };
 use crate::robot::{LARGEST, Mimic, tree};
 
 /// What the equalities make of the joints.
-pub(super) struct Equalities {
+pub(super) struct Equalities<'a> {
     /// The joint that each joint follows.
     pub(super) mimics: Vec<Option<Mimic>>,
     /// The coordinate at which each joint is held.
     pub(super) held: Vec<Option<f64>>,
+    /// The bodies that close loops.
+    pub(super) loops: Vec<ClosedBodies<'a>>,
 }
 
-impl Equalities {
-    pub(super) fn read<'a>(
+impl<'a> Equalities<'a> {
+    pub(super) fn read(
         root: Element<'a>,
         classes: &Classes<'a>,
         world: &World<'a>,
@@ -28,20 +31,21 @@ impl Equalities {
     ) -> Result<Self, MjcfError> {
         let n = assembly.joints.len();
         let mut reader = Reader { assembly, mimics: vec![None; n], held: vec![None; n], stated: vec![None; n] };
-        let tendons = fixed_tendons(root);
+        let (tendons, mut loops) = (fixed_tendons(root), Vec::new());
+        let positions = closed_positions(root, assembly);
         for element in elements_of(root, "equality")? {
             let equality = classes.of(element, MAIN, &["equality"])?;
             let active = equality.attribute("active").map(Attribute::flag).transpose()?.flatten();
             match element.tag() {
                 _ if active == Some(false) => {}
                 "joint" => reader.follow(&equality)?,
-                "connect" | "weld" => refuse_loop(element, world, assembly)?,
+                "connect" | "weld" => loops.extend(closed_bodies(&equality, world, assembly, &positions)?),
                 "tendon" => reader.couple(&equality, &tendons)?,
                 // Equalities of flexible bodies move no joint.
                 _ => {}
             }
         }
-        reader.resolved()
+        Ok(Self { loops, ..reader.resolved()? })
     }
 }
 
@@ -127,7 +131,7 @@ impl<'a> Reader<'_, 'a> {
         MjcfError::Follower { place: element.place(), joint: self.assembly.joints[joint].name.clone(), problem }
     }
 
-    fn resolved(self) -> Result<Equalities, MjcfError> {
+    fn resolved(self) -> Result<Equalities<'a>, MjcfError> {
         let circle = "it follows itself in the end, or by a ratio beyond 1e9; one joint must follow none";
         let mut mimics = tree::resolve_mimics(&self.mimics).map_err(|joint| self.circular(joint, circle))?;
         let mut held = self.held;
@@ -139,7 +143,7 @@ impl<'a> Reader<'_, 'a> {
             held[joint] = Some(mimic.ratio * leader + mimic.offset).filter(|value| value.abs() <= LARGEST);
             mimics[joint] = None;
         }
-        Ok(Equalities { mimics, held })
+        Ok(Equalities { mimics, held, loops: Vec::new() })
     }
 
     fn circular(&self, joint: usize, problem: &'static str) -> MjcfError {
@@ -147,26 +151,4 @@ impl<'a> Reader<'_, 'a> {
         let place = self.stated[joint].map_or_else(|| self.assembly.moving[joint].element.place(), Element::place);
         MjcfError::Follower { place, joint: name, problem }
     }
-}
-
-/// Refuses a loop; bodies on one link may be joined.
-fn refuse_loop(element: Element<'_>, world: &World<'_>, assembly: &Assembly<'_>) -> Result<(), MjcfError> {
-    let carrier = |key: &'static str| -> Result<Option<Option<usize>>, MjcfError> {
-        match element.text_of(key) {
-            None => Ok(None),
-            Some("world") => Ok(Some(None)),
-            Some(name) => {
-                let body = world.body(name).ok_or_else(|| element.unknown("body", name))?;
-                Ok(Some(assembly.places[body].carrier))
-            }
-        }
-    };
-    let (first, second) = (carrier("body1")?, carrier("body2")?);
-    // Without a second body, the first is joined to the world.
-    if first.is_some_and(|first| first == second.unwrap_or(None)) {
-        return Ok(());
-    }
-    Err(element.unsupported(
-        "it closes a loop of bodies, and a robot is a tree of joints; give it active=\"false\" to read the open tree",
-    ))
 }

@@ -23,6 +23,7 @@ mod error;
 mod inertia;
 mod joined;
 mod joint;
+mod loops;
 mod notes;
 mod pose;
 mod principal;

@@ -9,6 +9,7 @@ use super::{
     equality::Equalities,
     error::MjcfError,
     joined::Origins,
+    loops::{self, ClosedBodies},
     notes::Noted,
     terms::{add_terms, damping},
     world::World,
@@ -84,6 +85,7 @@ struct ParsedModel<'a> {
     actuators: Actuators<'a>,
     /// The coordinate at which each joint is held.
     held: Vec<Option<f64>>,
+    loops: Vec<ClosedBodies<'a>>,
 }
 
 impl<'a> ParsedModel<'a> {
@@ -92,17 +94,17 @@ impl<'a> ParsedModel<'a> {
         let world = World::read(root, &settings, &classes)?;
         let mut assembly = Assembly::of(&world, &settings, &classes)?;
         refuse_makers(&world, &assembly)?;
-        let Equalities { mimics, held } = Equalities::read(root, &classes, &world, &assembly)?;
+        let Equalities { mimics, held, loops } = Equalities::read(root, &classes, &world, &assembly)?;
         let actuators = Actuators::read(root, &settings, &classes, &assembly.joints, &world)?;
         assembly.joints.iter_mut().zip(mimics).for_each(|(joint, mimic)| joint.mimic = mimic);
         limit_efforts(&mut assembly, &actuators);
-        Ok(Self { classes, world, assembly, actuators, held })
+        Ok(Self { classes, world, assembly, actuators, held, loops })
     }
 
     /// The robot without terms, in which held joints move.
     fn robot(&self, root: Element<'a>, path: &Path, transmissions: Transmissions) -> Result<Robot, MjcfError> {
         let Self { classes, world, assembly, actuators, .. } = self;
-        Ok(Robot {
+        let mut robot = Robot {
             name: name_of(root, path),
             gravity: gravity(root)?,
             joints: assembly.joints.clone(),
@@ -112,11 +114,14 @@ impl<'a> ParsedModel<'a> {
             },
             friction: Friction::Symmetric,
             a_priori: a_priori(assembly, actuators),
+            loops: Vec::new(),
             locked: Vec::new(),
             doubts: Noted { root, classes, world, assembly, actuators }.doubts()?,
             term_descriptions: Vec::new(),
             terms: Vec::new(),
-        })
+        };
+        loops::close(&mut robot, &self.loops, (actuators, &self.held))?;
+        Ok(robot)
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::MjcfError;
-use crate::robot::{JointKind, Robot, RobotError, RobotSource, TermDescription};
+use crate::robot::{JointKind, Loop, LoopKind, Robot, RobotError, RobotSource, TermDescription};
 use thetahat_testing::Folder;
 
 const ARM: &str = r#"<?xml version="1.0"?>
@@ -159,9 +159,8 @@ fn what_is_more_than_a_tree_of_hinges_and_slides_is_refused() {
     unsupported("type=\"slide\"", "type=\"ball\"", &["arm.xml, line 19: <joint name=\"elbow\">", "three hinges"]);
     let equality = |inner: &str| format!("<equality>{inner}</equality>");
     let connect = equality("<connect body1=\"lower\" body2=\"world\" anchor=\"0 0 0\"/>");
-    unsupported("<equality/>", &connect, &["line 28: <connect>", "loop", "active=\"false\""]);
-    unsupported("<equality/>", &equality("<weld name=\"w\" body1=\"lower\"/>"), &["<weld name=\"w\">", "loop"]);
-    unsupported("<equality/>", &equality("<connect site1=\"tip\" site2=\"tip\"/>"), &["loop"]);
+    unsupported("<equality/>", &connect, &["line 28: <connect>", "every joint has an actuator", "active=\"false\""]);
+    unsupported("<equality/>", &equality("<weld name=\"w\"/>"), &["<weld name=\"w\">", "body1"]);
     unsupported("<equality/>", &equality("<tendon tendon1=\"t\"/>"), &["a fixed tendon", "active=\"false\""]);
     let replicate = "<replicate count=\"3\"><body><joint/></body></replicate>\n    <body name=\"upper\"";
     unsupported("<body name=\"upper\"", replicate, &["mj_saveLastXML"]);
@@ -171,7 +170,11 @@ fn what_is_more_than_a_tree_of_hinges_and_slides_is_refused() {
 
 #[test]
 fn loops_that_are_not_active_or_within_one_link_are_no_loops() {
-    for inner in ["<connect body1=\"lower\" active=\"false\"/>", "<weld body1=\"lower\" body2=\"lower\"/>"] {
+    for inner in [
+        "<connect site1=\"tip\" site2=\"tip\"/>",
+        "<connect body1=\"lower\" active=\"false\"/>",
+        "<weld body1=\"lower\" body2=\"lower\"/>",
+    ] {
         let robot = changed("<equality/>", &format!("<equality>{inner}</equality>"));
         assert_eq!(robot, Robot { ..read(ARM).unwrap() }, "{inner}");
     }
@@ -373,4 +376,38 @@ fn damaged_models_do_not_panic() {
             }
         }
     }
+}
+
+/// Bars whose free ends are joined to the world, by bodies in the pose of the model and by sites in that of the first key.
+#[test]
+fn connected_bodies_and_sites_close_loops() {
+    let text = |equality: &str, more: &str| {
+        format!(
+            "<mujoco><worldbody><site name='base' pos='0.3 0 0.1'/><body name='upper' pos='0 0 0.5'><inertial pos='0 0 0' mass='1' \
+             diaginertia='1 1 1'/><joint name='a' axis='0 1 0'/><body name='lower' pos='0.4 0 0'><inertial pos='0 0 0' mass='1' \
+             diaginertia='1 1 1'/><joint name='b' axis='0 1 0'/><body name='foot' pos='0 0 -0.4'><inertial pos='0 0 0' mass='1' \
+             diaginertia='1 1 1'/><joint name='c' axis='0 1 0'/><site name='end' pos='-0.1 0 0'/></body></body></body></worldbody>\
+             <equality>{equality}</equality><actuator><motor joint='a'/></actuator>{more}</mujoco>"
+        )
+    };
+    let connect = "<connect name='pin' body1='foot' body2='world' anchor='-0.1 0 0'/>";
+    let robot = read(&text(connect, "")).unwrap();
+    assert_eq!((robot.coordinate_count(), robot.transmission.joints(), robot.loops.len()), (1, 1, 1));
+    let Loop { kind, from, to, near, .. } = &robot.loops[0];
+    assert_eq!(
+        (kind, from.joint, to.joint, near.iter().all(|(_, q)| *q == 0.0)),
+        (&LoopKind::Point, Some(2), None, true)
+    );
+    let close = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+    assert!(close(from.origin, [-0.1, 0.0, 0.0]) && close(to.origin, [0.3, 0.0, 0.1]), "{:?}", robot.loops);
+    // A passive joint has bearings, but no motor.
+    let names: Vec<String> = robot.parameter_table().iter().map(|p| p.name()).collect();
+    assert!(["ia2", "off3"].iter().all(|name| !names.iter().any(|n| n == name)) && names.iter().any(|n| n == "fv2"));
+    let sites =
+        read(&text("<weld site1='end' site2='base'/>", "<keyframe><key qpos='0.1 0.2 -0.3'/></keyframe>")).unwrap();
+    let Loop { kind, from, to, near, .. } = &sites.loops[0];
+    assert_eq!((kind, &near[..]), (&LoopKind::Pose, &[(0, 0.1), (1, 0.2), (2, -0.3)][..]));
+    assert!(close(from.origin, [-0.1, 0.0, 0.0]) && close(to.origin, [0.3, 0.0, 0.1]), "{:?}", sites.loops);
+    let undriven = text(connect, "").replace("<motor joint='a'/>", "");
+    says(&mjcf_error(read(&undriven)).to_string(), &["without actuators", "[[loop]]", "active=\"false\""]);
 }

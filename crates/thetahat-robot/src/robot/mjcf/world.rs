@@ -43,6 +43,8 @@ pub(super) struct World<'a> {
     /// Elements that make further bodies, with the body that holds them.
     pub(super) makers: Vec<(Element<'a>, Option<usize>)>,
     names: HashMap<&'a str, usize>,
+    /// The sites by name: the body, none for the world, and the frame in it.
+    sites: HashMap<&'a str, (Option<usize>, Frame)>,
     parts: usize,
     geoms: usize,
 }
@@ -52,7 +54,8 @@ type Waiting<'a> = (Part<'a>, Option<usize>);
 
 impl<'a> World<'a> {
     pub(super) fn read(root: Element<'a>, settings: &Settings, classes: &Classes<'a>) -> Result<Self, MjcfError> {
-        let mut world = Self { bodies: Vec::new(), makers: Vec::new(), names: HashMap::new(), parts: 0, geoms: 0 };
+        let (names, sites) = (HashMap::new(), HashMap::new());
+        let mut world = Self { bodies: Vec::new(), makers: Vec::new(), names, sites, parts: 0, geoms: 0 };
         let tops: Vec<Element<'a>> = root.named("worldbody").collect();
         let mut waiting = Vec::new();
         for top in tops.into_iter().rev() {
@@ -103,7 +106,13 @@ impl<'a> World<'a> {
                 self.makers.push((part.element, owner));
                 Ok(Vec::new())
             }
-            // Sites, cameras, lights and plugins have no mass.
+            "site" => {
+                if let Some(name) = part.element.text_of("name") {
+                    self.sites.insert(name, (owner, placed(part, settings, classes)?.frame));
+                }
+                Ok(Vec::new())
+            }
+            // Cameras, lights and plugins have no mass.
             _ => Ok(Vec::new()),
         }
     }
@@ -129,6 +138,11 @@ impl<'a> World<'a> {
         self.parts += 1;
         let (path, what) = (element.path().to_owned(), "bodies, joints and frames");
         if self.parts > MOST_PARTS { Err(MjcfError::TooLarge { path, what, limit: MOST_PARTS }) } else { Ok(()) }
+    }
+
+    /// The body of a site, none for the world, and the site's frame in it.
+    pub(super) fn site(&self, name: &str) -> Option<(Option<usize>, Frame)> {
+        self.sites.get(name).copied()
     }
 
     /// The body of a name.

@@ -141,6 +141,21 @@ pub struct LinkPoint {
 }
 
 impl Shape {
+    /// Whether it depends on the state of its own joint or of two points, and on no other coordinate or torque.
+    pub(in crate::robot) fn is_of_joints_or_points(&self) -> bool {
+        match self {
+            Self::Constant
+            | Self::Deflection { .. }
+            | Self::Velocity
+            | Self::AbsoluteVelocity
+            | Self::VelocityPower { .. }
+            | Self::Sign
+            | Self::Stribeck(_)
+            | Self::BetweenPoints(_) => true,
+            Self::Load | Self::Harmonic { .. } | Self::Expression(_) => false,
+        }
+    }
+
     /// Whether it depends on accelerations, so that it cannot be simulated.
     #[must_use]
     pub fn needs_acceleration(&self) -> bool {

@@ -56,6 +56,15 @@ pub enum TermError {
         /// Why, and what to do.
         reason: String,
     },
+    /// A term of a robot with loops that depends on more than its own joint, or two points.
+    #[error(
+        "{term}: the robot has loops of links, with which this kind of term is not supported yet; springs between points, springs of \
+         joints and friction laws are"
+    )]
+    WithLoops {
+        /// The term.
+        term: String,
+    },
     /// Too many columns.
     #[error("the terms have more than {limit} parameters, the most that is read")]
     TooMany {

@@ -53,7 +53,17 @@ impl Resolver<'_> {
             return Err(TermError::TooMany { limit: MOST_COLUMNS });
         }
         self.check_names(&columns)?;
+        self.refuse_with_loops(&columns)?;
         Ok(columns)
+    }
+
+    /// Refuses columns that loops do not support yet.
+    fn refuse_with_loops(&self, columns: &[TermColumn]) -> Result<(), TermError> {
+        let is_supported = |column: &TermColumn| column.factor.is_none() && column.shape.is_of_joints_or_points();
+        match self.robot.loops.is_empty() || columns.iter().all(is_supported) {
+            true => Ok(()),
+            false => Err(TermError::WithLoops { term: self.place() }),
+        }
     }
 
     /// The joints of a term of joints; all that follow no other if it names none.

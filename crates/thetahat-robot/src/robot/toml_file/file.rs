@@ -28,6 +28,9 @@ pub(super) struct RobotFile {
     /// The joints, if there is no URDF.
     #[serde(default)]
     pub(super) joint: Vec<Spanned<JointEntry>>,
+    /// Conditions that close loops of links.
+    #[serde(default, rename = "loop")]
+    pub(super) loops: Vec<LoopEntry>,
     /// From motors to joints; none is one motor for each joint without gears, or that of the URDF.
     pub(super) transmission: Option<TransmissionEntry>,
     /// Torque terms in addition to links and drives.
@@ -98,6 +101,58 @@ pub(super) struct MimicEntry {
     pub(super) offset_deg: Option<f64>,
     /// The offset of a prismatic joint, m.
     pub(super) offset_m: Option<f64>,
+}
+
+/// A condition that closes a loop of links.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LoopEntry {
+    /// Its name, for messages.
+    pub(super) name: String,
+    /// What the two frames have in common.
+    pub(super) kind: LoopKindEntry,
+    /// A frame on one link.
+    pub(super) from: LoopFrameEntry,
+    /// A frame on the other.
+    pub(super) to: LoopFrameEntry,
+    /// The length of a rod between the origins, m; of kind `"distance"` alone.
+    pub(super) length_m: Option<f64>,
+    /// The joints that the loops move: not recorded, and without motors. Each is named by one loop.
+    #[serde(default)]
+    pub(super) passive: Vec<String>,
+    /// Positions of revolute joints near which the loop is closed, degrees: they name the branch. Zero for joints not listed.
+    #[serde(default)]
+    pub(super) near_deg: BTreeMap<String, f64>,
+    /// The same of prismatic joints, m.
+    #[serde(default)]
+    pub(super) near_m: BTreeMap<String, f64>,
+}
+
+/// What the two frames of a loop have in common.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum LoopKindEntry {
+    /// Their origins.
+    Point,
+    /// Their origins and z axes.
+    Axis,
+    /// All.
+    Pose,
+    /// The distance of their origins.
+    Distance,
+}
+
+/// A frame on a link.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LoopFrameEntry {
+    /// The link's joint; none is the base.
+    pub(super) link_of: Option<String>,
+    /// Its origin in the link's axes, from the origin of the joint's frame, m.
+    pub(super) point_m: [f64; 3],
+    /// Its axes by roll, pitch and yaw in the link's axes, degrees.
+    #[serde(default)]
+    pub(super) rpy_deg: [f64; 3],
 }
 
 /// `q = N^-1 q_motor + offset`, `tau = N^T (drive_gain * tau_motor)`.

@@ -38,6 +38,7 @@ impl Reader<'_> {
             link_axes: None,
             mimic: None,
             also_follows: Vec::new(),
+            passive: false,
             limits: Limits::default(),
         };
         let mut joints: Vec<Joint> = order.iter().map(joint).collect();

@@ -5,6 +5,7 @@ mod bounds;
 mod embedding;
 mod file;
 mod joints;
+mod loops;
 mod reader;
 mod transmission;
 

@@ -51,7 +51,7 @@ impl Reader<'_> {
     fn alone(&self, file: &RobotFile) -> Result<Robot, RobotError> {
         let name = file.name.clone().ok_or_else(|| self.value("name", "the robot's name", "missing"))?;
         let joints = self.joints(&file.joint, file.convention.unwrap_or_default())?;
-        let coordinates = joints.iter().filter(|j| j.mimic.is_none()).count();
+        let coordinates = joints.iter().filter(|j| j.has_coordinate()).count();
         Ok(Robot {
             name,
             gravity: GRAVITY,
@@ -59,6 +59,7 @@ impl Reader<'_> {
             transmission: Transmission::direct(coordinates),
             friction: Friction::default(),
             a_priori: std::collections::BTreeMap::new(),
+            loops: Vec::new(),
             locked: Vec::new(),
             doubts: Vec::new(),
             term_descriptions: Vec::new(),
@@ -89,7 +90,8 @@ impl Reader<'_> {
 
     /// The settings of the file other than the joints, which override those of `robot`.
     fn with_additions(&self, mut robot: Robot, file: RobotFile) -> Result<Robot, RobotError> {
-        let RobotFile { name, gravity, friction, transmission, parameters, term, .. } = file;
+        let RobotFile { name, gravity, friction, transmission, parameters, term, loops, .. } = file;
+        self.close_loops(&mut robot, loops)?;
         self.check_finite("gravity", gravity.into_iter().flatten())?;
         for (name, value) in &parameters {
             self.check_finite(&format!("[parameters] {name}"), [*value])?;

@@ -10,7 +10,7 @@ impl Reader<'_> {
         joints: &[Joint],
         before: &Transmission,
     ) -> Result<Transmission, RobotError> {
-        let kinds: Vec<JointKind> = joints.iter().filter(|j| j.mimic.is_none()).map(|j| j.kind).collect();
+        let kinds: Vec<JointKind> = joints.iter().filter(|j| j.has_coordinate()).map(|j| j.kind).collect();
         let n = kinds.len();
         let line = entry.matrix.as_ref().map_or(1, |matrix| self.line(matrix.span()));
         let rows = match entry.matrix {

@@ -99,6 +99,7 @@ impl<'s, 'a> Assembly<'s, 'a> {
             link_axes: (!moving.has_link_axes()).then(|| transpose(&moving.axes)),
             mimic: None,
             also_follows: Vec::new(),
+            passive: false,
             limits: moving.limits,
         }
     }

@@ -78,6 +78,7 @@ pub(in crate::robot) fn read(
         joints: assembly.joints,
         transmission,
         friction: Friction::Symmetric,
+        loops: Vec::new(),
         locked: Vec::new(),
         doubts,
     })

@@ -1,14 +1,20 @@
 //! What a design file must hold before anything is searched.
 
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
 use crate::design::{
     error::DesignError,
-    limits::verification::RATE_HZ,
+    limits::{joint_limits::JointLimits, verification::RATE_HZ},
     search::criterion::CriterionName,
     text::{description::Design, options::UncertaintyOptions},
 };
 use thetahat_estimation::identification::Needs;
 use thetahat_ground::one_or_each::OneOrEach;
-use thetahat_model::dynamics::Model;
+use thetahat_model::{
+    dynamics::Model,
+    robot::{Joint, Limits},
+};
 
 /// Most samples of a motion, at its own rate and at 1 kHz, at which its limits are verified.
 const MOST_SAMPLES: f64 = 1e6;
@@ -18,6 +24,10 @@ const WHOLE: f64 = 1e-6;
 const MOST_DRAWS: usize = 100;
 /// Shortest motion, in periods of the position filter's cut-off: the edges cost five at either end.
 const FEWEST_PERIODS: f64 = 15.0;
+
+/// Positions within the limits at which loops are looked at, and the seed from which they are drawn.
+const POSITIONS: usize = 2000;
+const SEED: u64 = 1;
 
 impl Design {
     pub(in crate::design) fn validate(&self) -> Result<(), DesignError> {
@@ -30,7 +40,43 @@ impl Design {
         self.validate_payload()?;
         self.validate_identification()?;
         self.validate_collision()?;
-        self.validate_sweeps(&self.limits()?)
+        let limits = self.limits()?;
+        self.validate_loops(&limits)?;
+        self.validate_sweeps(&limits)
+    }
+
+    /// Requires that loops are closed, and passive joints within their limits, wherever the driven joints may be.
+    fn validate_loops(&self, limits: &[JointLimits]) -> Result<(), DesignError> {
+        if self.robot.loops.is_empty() {
+            return Ok(());
+        }
+        let nothing_near = "left out: the distances of mechanisms that close are not computed yet";
+        self.require(self.file.collision.is_none(), "[collision]", nothing_near, "given")?;
+        let (model, mut rng) = (Model::new(&self.robot), ChaCha8Rng::seed_from_u64(SEED));
+        for _ in 0..POSITIONS {
+            // Corners of the ranges are where loops open first.
+            let part = |rng: &mut ChaCha8Rng| {
+                if rng.random_bool(0.5) {
+                    f64::from(u8::from(rng.random_bool(0.5)))
+                } else {
+                    rng.random_range(0.0..1.0)
+                }
+            };
+            let q: Vec<f64> = limits.iter().map(|l| l.lower + part(&mut rng) * (l.upper - l.lower)).collect();
+            let joints = self.robot.joints.iter().zip(model.joint_positions(&q));
+            let outside = |(joint, position): &(&Joint, f64)| {
+                let Limits { lower, upper, .. } = joint.limits;
+                let is_beyond = lower.is_some_and(|l| *position < l) || upper.is_some_and(|u| *position > u);
+                joint.passive && (position.is_nan() || is_beyond)
+            };
+            let Some((joint, position)) = joints.into_iter().find(outside) else { continue };
+            let expected = format!(
+                "ranges within which the loops are closed and passive joint `{}` is within its limits (it is at {position:.4} rad or m)",
+                joint.name
+            );
+            self.require(false, "[limits] position", &expected, format!("a range that has {q:.4?} rad or m"))?;
+        }
+        Ok(())
     }
 
     /// Requires an identification of all base parameters, with torques that the motion alone decides.

@@ -4,6 +4,7 @@ mod defaults;
 mod edited;
 mod element;
 mod error;
+mod loops;
 mod matched;
 mod model;
 mod read;

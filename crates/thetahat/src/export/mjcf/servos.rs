@@ -61,7 +61,9 @@ fn damping_rate(pd: &PdLoop, robot: &Robot, parameters: &[f64]) -> Option<f64> {
     let (model, table, n) = (Model::new(robot), robot.parameter_table(), robot.coordinate_count());
     let (mut mass, mut workspace) = (vec![0.0; n * n], Workspace::new(&model));
     let sorted = DynamicParameters::sorted(&model, parameters);
-    model.mass_matrix(&sorted, &vec![0.0; n], &mut workspace, &mut mass);
+    let mut position = vec![0.0; n];
+    model.reach(&mut position);
+    model.mass_matrix(&sorted, &position, &mut workspace, &mut mass);
     let inverse = Matrix::from_fn(n, n, |i, j| mass[i * n + j]).inverse()?;
     let damping = |joint| table.value(parameters, Quantity::Joint(JointQuantity::Fv), joint);
     let damping: Vec<f64> = pd.gains.iter().map(|gains| damping(gains.joint) + gains.velocity).collect();

@@ -1,6 +1,6 @@
 //! A new MJCF of a robot: MuJoCo's model file.
 
-use super::servos::Servos;
+use super::{loops, servos::Servos};
 use crate::export::{
     body::Body,
     coupling::{Tendon, drive_without_tendons},
@@ -21,13 +21,15 @@ pub(in crate::export) fn mjcf(represented: &RepresentedRobot, header: &str, serv
     ];
     lines.extend(servos.map(Servos::defaults));
     lines.push("  <worldbody>".to_owned());
+    lines.extend(loops::sites(robot, None).into_iter().map(|site| format!("    {site}")));
     (0..robot.joints.len())
         .filter(|&k| robot.joints[k].parent.is_none())
         .for_each(|k| add_body(represented, k, 2, &mut lines));
     lines.push("  </worldbody>".to_owned());
-    lines.extend(followers(robot));
+    lines.extend(equalities(robot));
     lines.extend(coupled_motors(represented));
-    lines.extend(servos.map(Servos::actuators));
+    lines.extend(servos.map_or_else(|| loops::motors(robot), |servos| vec![servos.actuators()]));
+    lines.extend(loops::keyframe(robot));
     lines.push("</mujoco>".to_owned());
     format!("{header}{}\n", lines.join("\n"))
 }
@@ -44,6 +46,7 @@ fn add_body(represented: &RepresentedRobot, k: usize, depth: usize, lines: &mut 
     ));
     lines.push(format!("{space}  {}", inertial(&Body::new(represented.inertial_of(k)))));
     lines.push(format!("{space}  {}", joint(represented, k, &frame)));
+    lines.extend(loops::sites(&represented.robot, Some(k)).into_iter().map(|site| format!("{space}  {site}")));
     let children = (0..represented.robot.joints.len()).filter(|&j| represented.robot.joints[j].parent == Some(k));
     children.for_each(|child| add_body(represented, child, depth + 1, lines));
     lines.push(format!("{space}</body>"));
@@ -109,8 +112,8 @@ pub(super) fn coupled_motors(represented: &RepresentedRobot) -> Vec<String> {
     lines
 }
 
-/// Joints that follow others, which MuJoCo holds by constraints.
-fn followers(robot: &Robot) -> Vec<String> {
+/// Joints that follow others, and loops, which MuJoCo holds by constraints.
+fn equalities(robot: &Robot) -> Vec<String> {
     let follower = |joint: &thetahat_model::robot::Joint| {
         let mimic = joint.mimic?;
         let leader = escaped(&robot.joints[mimic.of].name);
@@ -118,7 +121,7 @@ fn followers(robot: &Robot) -> Vec<String> {
         let name = escaped(&joint.name);
         Some(format!("    <joint joint1=\"{name}\" joint2=\"{leader}\" polycoef=\"{offset} {ratio} 0 0 0\"/>"))
     };
-    let constraints: Vec<String> = robot.joints.iter().filter_map(follower).collect();
+    let constraints: Vec<String> = robot.joints.iter().filter_map(follower).chain(loops::constraints(robot)).collect();
     if constraints.is_empty() {
         return Vec::new();
     }

@@ -1,0 +1,129 @@
+//! Mechanisms that close: a five-bar arm simulated with known truth is identified by every method, exported and refused where trees are
+//! needed.
+
+use std::path::Path;
+
+use thetahat::{
+    Experiment, Identification, Method, Recording, Results, Robot,
+    consistency::completed_a_priori,
+    design::Design,
+    export::{ExportError, ExportFormat, export_robot},
+    identification::Status,
+};
+use thetahat_ground::series::Series;
+use thetahat_model::robot::RobotError;
+use thetahat_testing::{Folder, project};
+
+/// Standard deviations from the truth that none of 21 normal numbers exceeds in 99.9 % of all cases.
+const DEVIATIONS: f64 = 4.1;
+
+/// The results of the experiment of the checkout with other text in the place of some.
+fn run_changed(from: &str, to: &str) -> Results {
+    let folder = Folder::new();
+    let read = |path: &str| std::fs::read_to_string(project(path)).unwrap();
+    folder.write("robots/five_bar.toml", read("robots/five_bar.toml"));
+    folder.write("experiments/five_bar.toml", read("experiments/five_bar.toml").replace(from, to));
+    let file = folder.path().join("experiments/five_bar.toml");
+    Experiment::read(&file, folder.path()).unwrap().run(folder.path(), &mut |_| {}).unwrap()
+}
+
+fn assert_near_truth(results: &Results, method: Method) {
+    let run = results.run("nominal", method).unwrap();
+    assert_eq!(run.status, Status::Converged, "{method}: {:?}", run.reason);
+    assert_eq!(run.parameters.len(), 21);
+    for p in &run.parameters {
+        let (truth, sd) = (p.true_value.unwrap(), p.standard_deviation_robust.unwrap());
+        assert!((p.estimate - truth).abs() < DEVIATIONS * sd, "{method} {}: {} of {truth}, {sd}", p.name, p.estimate);
+    }
+}
+
+#[test]
+fn every_method_finds_the_parameters_of_a_five_bar_arm() {
+    let methods = "cutoff_hz = 40\ndecimation = 10\n[estimation]\nmethods = ['idim-ls', 'idim-wls', 'idim-iv', 'didim', 'clie', \
+                   'cloe']\n[simulation]\nsign_velocity_scale = 0.02";
+    let results = run_changed("cutoff_hz = 40\ndecimation = 10", methods);
+    for method in [Method::IDIM_LS, Method::IDIM_WLS, Method::IDIM_IV, Method::DIDIM, Method::CLIE, Method::CLOE] {
+        assert_near_truth(&results, method);
+    }
+    // Torque noise of 0.1 N m; the model explains the rest.
+    let model = results.model.as_ref().unwrap();
+    let unseen = model.unseen.as_ref().map(|error| error.percent).unwrap();
+    assert!(unseen < 5.0, "{unseen}");
+}
+
+fn robot() -> Robot {
+    Robot::read(&project("robots/five_bar.toml")).unwrap()
+}
+
+#[test]
+fn a_position_at_which_the_loop_is_open_is_refused_with_its_sample() {
+    let text = std::fs::read_to_string(project("robots/five_bar.toml")).unwrap().replace("[0.4, 0, 0]", "[0.3, 0, 0]");
+    let robot = Robot::parse(&text, Path::new("five.toml")).unwrap();
+    // From 2 s on the left arm turns outwards until the hand is out of reach.
+    let position = |k: usize| {
+        let t = k as f64 / 500.0;
+        [2.0 + 0.4 * (t - 2.0).max(0.0) + 0.1 * (3.0 * t).sin(), 1.1 + 0.1 * (2.0 * t).sin()]
+    };
+    let q = Series::shaped(2, (0..2500).flat_map(position).collect());
+    let recording = Recording::new(500.0, q.clone(), q).named("a");
+    let refused = Identification::new(&robot, vec![recording], thetahat::Settings::new(30.0, 10)).err();
+    let message = refused.map(|error| error.to_string()).unwrap_or_default();
+    for part in ["recording a, sample ", "the loops do not determine joint "] {
+        assert!(message.contains(part), "{message}");
+    }
+}
+
+#[test]
+fn an_export_has_the_loops_of_the_robot_or_is_refused() {
+    let robot = robot();
+    let parameters = completed_a_priori(&robot, None);
+    let export = |robot: &Robot, format| export_robot(robot, None, &parameters, format, &[]);
+    let mjcf = export(&robot, ExportFormat::Mjcf).unwrap();
+    assert!(mjcf.check().unwrap() < 1e-9);
+    for part in ["<connect name=\"hand\" site1=", "<motor name=\"left\"", "<key name=\"closed\" qpos=\"2.09439510"] {
+        assert!(mjcf.text.contains(part), "{part}: {}", mjcf.text);
+    }
+    // The file is a robot of its own.
+    let back = Robot::parse(&mjcf.text, Path::new("five.xml")).unwrap();
+    assert_eq!((back.coordinate_count(), back.link_count()), (2, 4));
+    assert!(export(&robot, ExportFormat::Json).unwrap().text.contains("\"loops\""));
+    for format in [ExportFormat::Urdf, ExportFormat::Sdf] {
+        assert!(matches!(export(&robot, format), Err(ExportError::Loops { .. })), "{format:?}");
+    }
+    let mut rod = robot.clone();
+    rod.loops[0].kind = thetahat_model::robot::LoopKind::Distance { length: 0.1 };
+    assert!(matches!(export(&rod, ExportFormat::Mjcf), Err(ExportError::Rod { .. })));
+}
+
+const DESIGN: &str = "title = 'five bars'\nrobot = 'five_bar.toml'\nduration_s = 3\nsample_rate_hz = 500\n[motion]\nharmonics = 3\n\
+    starts = 1\n[limits]\nposition = [[90, 150], [30, 90]]\nvelocity = 250\nacceleration = 2500\ntorque = [20, 20]\n[noise]\n\
+    torque = 0.1\n[signal]\ncutoff_hz = 40\ndecimation = 10\n";
+
+/// A designed motion determines the base parameters better than the planned moves of the experiment, second by second.
+#[test]
+fn a_motion_of_a_five_bar_arm_is_designed_within_ranges_that_close() {
+    let design = |text: &str| Design::parse(text, &project("robots/design.toml")).map_err(Box::new);
+    let results = design(DESIGN).unwrap().run(2).unwrap();
+    assert_eq!(results.predicted.len(), 21);
+    assert!(results.limits.iter().all(|limit| limit.part <= 1.0), "{:?}", results.limits);
+    let open = design(&DESIGN.replace("[[90, 150], [30, 90]]", "[[0, 180], [0, 180]]"));
+    let message = open.err().map(|error| error.to_string()).unwrap_or_default();
+    assert!(message.contains("ranges within which the loops are closed"), "{message}");
+}
+
+#[test]
+fn what_takes_trees_refuses_loops() {
+    let text = std::fs::read_to_string(project("robots/five_bar.toml")).unwrap();
+    let refused = |more: &str| {
+        let robot = Robot::parse(&format!("{more}\n{text}"), Path::new("five.toml"));
+        robot.err().map(|error: RobotError| error.to_string()).unwrap_or_default()
+    };
+    assert!(refused("locked = { 'right' = 1 }").contains("loops of links"));
+    let term = Robot::parse(&format!("{text}\n[[term]]\nkind = 'load-friction'\n"), Path::new("five.toml"));
+    assert!(term.unwrap_err().to_string().contains("not supported yet"));
+    let spring = Robot::parse(
+        &format!("{text}\n[[term]]\nkind = 'joint-spring'\njoints = ['left elbow']\n"),
+        Path::new("five.toml"),
+    );
+    assert_eq!(spring.unwrap().terms.len(), 2);
+}
