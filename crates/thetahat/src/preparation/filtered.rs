@@ -60,7 +60,7 @@ impl Setup<'_> {
         let options = self.settings.signal.in_window(recording.window_s);
         let rate = recording.sample_rate_hz;
         self.require_periods(recording.position.len(), rate)?;
-        let whole = self.band_pass(&recording.position, rate)?;
+        let whole = self.measured_motion(&recording)?;
         let channels = recording.channels_named(&self.robot.channels(), self.robot.coordinate_count())?;
         let channels = channels.map(|c| self.band_pass(&c, rate)).transpose()?.map(|filtered| filtered.q);
         let payload_torque = self.payload_torque(&recording, &whole)?;
@@ -335,7 +335,7 @@ impl FilteredRecording {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::preparation::Mask;
+    use crate::preparation::{Mask, PositionFilter};
     use thetahat_estimation::signal::Derivative;
     use thetahat_model::robot::Robot;
 
@@ -351,6 +351,7 @@ mod tests {
     #[test]
     fn a_stated_window_has_no_distorted_ends_of_a_recording_that_starts_or_ends_in_motion() {
         let options = SignalOptions {
+            position: PositionFilter::Butterworth,
             filter_order: 4,
             cutoff_hz: 10.0,
             decimation: 1,

@@ -1,8 +1,9 @@
 use super::{
     error::PreparationError,
-    settings::{Case, Settings, Start},
+    recording::Recording,
+    settings::{Case, PositionFilter, Settings, SignalOptions, Start},
 };
-use thetahat_estimation::signal::{self, Motion, SignalError};
+use thetahat_estimation::signal::{self, Motion, SignalError, SmoothedMotion};
 use thetahat_ground::series::Series;
 use thetahat_model::{
     base_parameters::BaseParameters,
@@ -44,6 +45,15 @@ impl Setup<'_> {
         signal::band_pass(position, sample_rate_hz, options.filter_order, options.cutoff_hz, options.derivative)
     }
 
+    /// Position, velocity and acceleration of a recording, as the settings ask for them.
+    pub(crate) fn measured_motion(&self, recording: &Recording) -> Result<Motion, SignalError> {
+        let SignalOptions { position, filter_order, .. } = self.settings.signal;
+        match position {
+            PositionFilter::Butterworth => self.band_pass(&recording.position, recording.sample_rate_hz),
+            PositionFilter::Smoother => Ok(smoothed(recording, filter_order)?.motion),
+        }
+    }
+
     /// Standard parameters with which the iterations start.
     pub(crate) fn start(&self, table: &ParameterTable) -> Vec<f64> {
         let mut theta = self.robot.a_priori_parameters_for(table);
@@ -56,4 +66,27 @@ impl Setup<'_> {
         }
         theta
     }
+}
+
+impl Settings {
+    /// The same with the cut-off of the smoother, if that is used: the highest of all joints and recordings.
+    ///
+    /// # Errors
+    /// [`PreparationError::Signal`] for a recording that is too short.
+    pub(crate) fn with_cutoff_of(mut self, recordings: &[Recording]) -> Result<Self, PreparationError> {
+        match self.signal.position {
+            PositionFilter::Butterworth => {}
+            PositionFilter::Smoother => {
+                for recording in recordings {
+                    let cutoffs = smoothed(recording, self.signal.filter_order)?.cutoffs_hz;
+                    self.signal.cutoff_hz = cutoffs.into_iter().fold(self.signal.cutoff_hz, f64::max);
+                }
+            }
+        }
+        Ok(self)
+    }
+}
+
+fn smoothed(recording: &Recording, order: usize) -> Result<SmoothedMotion, SignalError> {
+    signal::smooth_motion(&recording.position, &recording.gaps, recording.sample_rate_hz, order)
 }

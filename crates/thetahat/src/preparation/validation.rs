@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::{
     error::PreparationError,
     physical::{PriorWeight, validate_known},
-    settings::{Case, Mask, ModelOptions, ParameterChoice, ParameterSelection, Settings, StatedMask},
+    settings::{Case, Mask, ModelOptions, ParameterChoice, ParameterSelection, PositionFilter, Settings, SignalOptions, StatedMask},
 };
 use thetahat_estimation::{
     control::ControllerDescription,
@@ -86,7 +86,7 @@ impl Settings {
         let orders = 1..=HIGHEST_ORDER;
         let (key, expected) = ("[signal] filter_order", format!("from 1 to {HIGHEST_ORDER}"));
         PreparationError::require(orders.contains(&signal.filter_order), key, &expected, signal.filter_order)?;
-        PreparationError::require_positive("[signal] cutoff_hz", signal.cutoff_hz)?;
+        self.validate_position_filter()?;
         PreparationError::require(signal.decimation > 0, "[signal] decimation", "at least 1", signal.decimation)?;
         if let Mask::Stated(StatedMask { velocity, widened_s }) = signal.mask {
             PreparationError::require_positive("[signal] mask.velocity", velocity)?;
@@ -94,6 +94,31 @@ impl Settings {
             PreparationError::require((0.0..=LONGEST_WIDENING_S).contains(&widened_s), key, expected, widened_s)?;
         }
         validate_window("[signal]", [signal.window_start_s, signal.window_end_s])
+    }
+
+    fn validate_position_filter(&self) -> Checked {
+        let SignalOptions { position, filter_order, cutoff_hz, .. } = self.signal;
+        match position {
+            PositionFilter::Butterworth if cutoff_hz == 0.0 => {
+                let why = "the position filter needs a cut-off; position = \"smoother\" finds its own";
+                Err(PreparationError::Missing { missing: "[signal] cutoff_hz", why })
+            }
+            PositionFilter::Butterworth => PreparationError::require_positive("[signal] cutoff_hz", cutoff_hz),
+            PositionFilter::Smoother => {
+                let expected = "3, 4 or 5 with position = \"smoother\"";
+                let is_known = (3..=5).contains(&filter_order);
+                PreparationError::require(is_known, "[signal] filter_order", expected, filter_order)?;
+                let expected = "none with position = \"smoother\", which finds its own";
+                PreparationError::require(cutoff_hz == 0.0, "[signal] cutoff_hz", expected, cutoff_hz)
+            }
+        }
+    }
+
+    /// Refuses the smoother where there is no whole recording to find its cut-off from.
+    pub(crate) fn require_stated_cutoff(&self, why: &str) -> Checked {
+        let expected = format!("\"butterworth\" with a cutoff_hz: the smoother takes a whole recording, and {why}");
+        let is_stated = self.signal.position == PositionFilter::Butterworth;
+        PreparationError::require(is_stated, "[signal] position", &expected, "\"smoother\"")
     }
 
     /// Fixed parameters are taken off torques: what compares simulated torques with whole ones cannot have any.
