@@ -4,7 +4,7 @@ use super::{
     settings::{Case, PositionFilter, Settings, SignalOptions, Start},
 };
 use thetahat_estimation::signal::{self, Motion, SignalError, SmoothedMotion};
-use thetahat_ground::series::Series;
+use thetahat_ground::{number::significant, series::Series};
 use thetahat_model::{
     base_parameters::BaseParameters,
     dynamics::Model,
@@ -47,11 +47,40 @@ impl Setup<'_> {
 
     /// Position, velocity and acceleration of a recording, as the settings ask for them.
     pub(crate) fn measured_motion(&self, recording: &Recording) -> Result<Motion, SignalError> {
+        self.measured_motion_with_notes(recording).map(|(motion, _)| motion)
+    }
+
+    /// The same, and what the smoother found.
+    pub(super) fn measured_motion_with_notes(
+        &self,
+        recording: &Recording,
+    ) -> Result<(Motion, Option<String>), SignalError> {
         let SignalOptions { position, filter_order, .. } = self.settings.signal;
         match position {
-            PositionFilter::Butterworth => self.band_pass(&recording.position, recording.sample_rate_hz),
-            PositionFilter::Smoother => Ok(smoothed(recording, filter_order)?.motion),
+            PositionFilter::Butterworth => Ok((self.band_pass(&recording.position, recording.sample_rate_hz)?, None)),
+            PositionFilter::Smoother => {
+                let found = smoothed(recording, filter_order)?;
+                let note = self.note_of_smoother(&found);
+                Ok((found.motion, Some(note)))
+            }
         }
+    }
+
+    /// The cut-off and noise of each joint, and those without white noise.
+    fn note_of_smoother(&self, found: &SmoothedMotion) -> String {
+        let of_joint = |(hz, noise): (&f64, &f64)| format!("{} Hz, {}", significant(*hz, 3), significant(*noise, 2));
+        let all: Vec<String> = found.cutoffs_hz.iter().zip(&found.noise).map(of_joint).collect();
+        let joints = self.robot.coordinates().zip(&found.is_at_limit);
+        let limited: Vec<&str> = joints.filter(|(_, is)| **is).map(|(joint, _)| joint.name.as_str()).collect();
+        let no_noise = format!(
+            "; the positions of {} have no white noise, as where they were filtered before: state a cutoff_hz instead",
+            limited.join(", ")
+        );
+        format!(
+            "positions by the smoother; cut-off and noise (rad or m) of each joint: {}{}",
+            all.join("; "),
+            if limited.is_empty() { "" } else { &no_noise }
+        )
     }
 
     /// Standard parameters with which the iterations start.
