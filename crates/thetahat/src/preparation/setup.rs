@@ -119,3 +119,45 @@ impl Settings {
 fn smoothed(recording: &Recording, order: usize) -> Result<SmoothedMotion, SignalError> {
     signal::smooth_motion(&recording.position, &recording.gaps, recording.sample_rate_hz, order)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::preparation::near_rest;
+
+    const RATE_HZ: f64 = 200.0;
+
+    fn smoother() -> Settings {
+        let mut settings = Settings::new(0.0, 10);
+        settings.signal.position = PositionFilter::Smoother;
+        settings
+    }
+
+    /// Two joints: one with steps of its encoder, one without noise.
+    fn recording() -> Recording {
+        let motion = |k: usize, hz: f64| (std::f64::consts::TAU * hz * k as f64 / RATE_HZ).sin();
+        let stepped = (0..2000).map(|k| (1e3 * motion(k, 0.5)).round() / 1e3).collect();
+        let clean = (0..2000).map(|k| motion(k, 0.3)).collect();
+        Recording::new(RATE_HZ, Series::side_by_side(&[stepped, clean]), Series::zeros(2000, 2))
+    }
+
+    #[test]
+    fn the_cut_off_is_the_highest_of_the_joints() {
+        let found = smoothed(&recording(), 4).unwrap();
+        assert_eq!(found.is_at_limit, [false, true]);
+        let settings = smoother().with_cutoff_of(&[recording()]).unwrap();
+        assert_eq!(settings.signal.cutoff_hz, found.cutoffs_hz[1]);
+        assert!(found.cutoffs_hz[0] < 20.0 && found.cutoffs_hz[1] > 0.39 * RATE_HZ, "{:?}", found.cutoffs_hz);
+        // Steps of 1e-3 have a deviation of 1e-3 / sqrt(12).
+        assert!((found.noise[0] / (1e-3 / 12_f64.sqrt()) - 1.0).abs() < 0.1, "{:?}", found.noise);
+    }
+
+    /// A mask is widened by a period of 20 Hz, 2.5 times the parallel filter's 8 Hz, and not of 80 Hz.
+    #[test]
+    fn a_mask_is_no_narrower_than_with_a_usual_filter() {
+        let settings = smoother().with_cutoff_of(&[recording()]).unwrap();
+        let position = recording().position;
+        let rule = near_rest(&settings.signal, 0.01, [&position, &position], RATE_HZ).unwrap();
+        assert_eq!(rule.widened, 10);
+    }
+}

@@ -303,6 +303,33 @@ mod tests {
         settings.validate(&Robot::parse(ARM, Path::new("arm.toml")).unwrap())
     }
 
+    /// What a value of `position` with an order and a cut-off is refused for; none if it is not.
+    fn refused(position: PositionFilter, filter_order: usize, cutoff_hz: f64) -> Option<String> {
+        let mut settings = Settings::new(cutoff_hz, 10);
+        (settings.signal.position, settings.signal.filter_order) = (position, filter_order);
+        settings.validate_position_filter().err().map(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_filter_has_a_cut_off_and_a_smoother_has_none() {
+        assert_eq!(refused(PositionFilter::Butterworth, 2, 20.0), None);
+        assert_eq!(refused(PositionFilter::Smoother, 4, 0.0), None);
+        let missing = refused(PositionFilter::Butterworth, 4, 0.0).unwrap();
+        assert!(missing.contains("[signal] cutoff_hz"), "{missing}");
+        let stated = refused(PositionFilter::Smoother, 4, 20.0).unwrap();
+        assert!(stated.contains("[signal] cutoff_hz") && stated.contains("finds its own"), "{stated}");
+        let order = refused(PositionFilter::Smoother, 2, 0.0).unwrap();
+        assert!(order.contains("[signal] filter_order") && order.contains("3, 4 or 5"), "{order}");
+    }
+
+    #[test]
+    fn what_reads_in_pieces_refuses_the_smoother() {
+        let mut settings = Settings::new(0.0, 10);
+        settings.signal.position = PositionFilter::Smoother;
+        assert!(settings.require_stated_cutoff("a reduction reads in pieces").is_err());
+        assert!(Settings::new(20.0, 10).require_stated_cutoff("a reduction reads in pieces").is_ok());
+    }
+
     #[test]
     fn a_parameter_of_the_robot_is_excluded() {
         assert!(validated("ia1").is_ok());
