@@ -147,14 +147,8 @@ impl<const P: usize> Filter<P> {
     fn new(step: f64, measured: &Measured<'_>) -> Self {
         let walk = RandomWalk::new(step);
         let steady = walk.steady(step);
-        let mut filter = Self {
-            step,
-            walk,
-            gains: vec![steady],
-            unsteady: Vec::new(),
-            start: [0.0; P],
-            log_information: 0.0,
-        };
+        let mut filter =
+            Self { step, walk, gains: vec![steady], unsteady: Vec::new(), start: [0.0; P], log_information: 0.0 };
         filter.cross(measured);
         filter.begin(measured);
         filter
@@ -216,7 +210,8 @@ impl<const P: usize> Filter<P> {
                     (0..P).for_each(|j| *information.at_mut(i, j) += row[i] * row[j] / gain.innovation);
                 }
             }
-            let columns: Square<P> = std::array::from_fn(|j| self.walk.next(&std::array::from_fn(|i| sensitivity[i][j])));
+            let columns: Square<P> =
+                std::array::from_fn(|j| self.walk.next(&std::array::from_fn(|i| sensitivity[i][j])));
             sensitivity = std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i] - gain.gain[i] * row[j]));
             state = advanced(&self.walk, gain, &state, innovation);
             if sensitivity.iter().flatten().all(|value| value.abs() < FORGOTTEN) {
@@ -343,17 +338,15 @@ mod tests {
     /// noise of the walk.
     #[test]
     fn states_are_those_of_statsmodels() {
-        assert_states::<3>(&[
-            (
-                false,
-                [
-                    (0, [2.104_806_176_091_468, 5.688_485_223_584_234, -30.575_714_734_694_227]),
-                    (5, [2.351_432_033_126_024, 4.202_536_739_438_11, -27.112_496_202_553_16]),
-                    (200, [1.562_245_644_221_683_9, 5.057_013_972_607_510_5, -15.783_646_238_315_868]),
-                    (399, [1.176_292_587_964_241, 3.261_563_621_389_357_5, 21.457_355_936_535_375]),
-                ],
-            ),
-        ]);
+        assert_states::<3>(&[(
+            false,
+            [
+                (0, [2.104_806_176_091_468, 5.688_485_223_584_234, -30.575_714_734_694_227]),
+                (5, [2.351_432_033_126_024, 4.202_536_739_438_11, -27.112_496_202_553_16]),
+                (200, [1.562_245_644_221_683_9, 5.057_013_972_607_510_5, -15.783_646_238_315_868]),
+                (399, [1.176_292_587_964_241, 3.261_563_621_389_357_5, 21.457_355_936_535_375]),
+            ],
+        )]);
         assert_states::<4>(&[
             (
                 false,
@@ -374,17 +367,15 @@ mod tests {
                 ],
             ),
         ]);
-        assert_states::<5>(&[
-            (
-                true,
-                [
-                    (0, [2.098_218_508_989_488_5, 6.310_768_002_904_804, -55.374_919_405_635_346]),
-                    (157, [1.982_009_648_616_298, -4.175_638_863_519_699_5, 7.914_484_543_474_678_4]),
-                    (200, [1.563_691_611_382_066, 5.057_989_363_235_05, -16.307_087_003_358_706]),
-                    (399, [1.166_262_396_371_759_5, 2.230_989_845_736_942, -23.465_090_680_728_18]),
-                ],
-            ),
-        ]);
+        assert_states::<5>(&[(
+            true,
+            [
+                (0, [2.098_218_508_989_488_5, 6.310_768_002_904_804, -55.374_919_405_635_346]),
+                (157, [1.982_009_648_616_298, -4.175_638_863_519_699_5, 7.914_484_543_474_678_4]),
+                (200, [1.563_691_611_382_066, 5.057_989_363_235_05, -16.307_087_003_358_706]),
+                (399, [1.166_262_396_371_759_5, 2.230_989_845_736_942, -23.465_090_680_728_18]),
+            ],
+        )]);
     }
 
     /// By statsmodels, with the likelihood maximised over both variances. The search here ends within 1 % of the frequency, and of the deviation of the noise.

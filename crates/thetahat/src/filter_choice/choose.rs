@@ -13,8 +13,8 @@ use super::{
     twin::{Mover, RecordingTwin},
 };
 use crate::preparation::{
-    Basis, Case, FilteredRecording, ParameterChoice, ParameterSelection, PositionFilter, PreparationError, Problem, Recording,
-    Settings, Setup, SignalOptions, propose_controller,
+    Basis, Case, FilteredRecording, ParameterChoice, ParameterSelection, PositionFilter, PreparationError, Problem,
+    Recording, Settings, Setup, SignalOptions, propose_controller,
 };
 use thetahat_estimation::{
     control::ControllerDescription,

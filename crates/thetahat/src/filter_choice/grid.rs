@@ -4,7 +4,7 @@ use crate::preparation::{PositionFilter, SignalOptions};
 use thetahat_report::results::Filter;
 
 impl SignalOptions {
-    /// The cut-off with the decimation; none where the smoother finds the cut-off.
+    /// The cut-off with the decimation; none if the smoother finds the cut-off.
     #[must_use]
     pub fn filter(&self) -> Option<Filter> {
         let filter = Filter { cutoff_hz: self.cutoff_hz, decimation: self.decimation };

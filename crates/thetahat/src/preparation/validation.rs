@@ -5,7 +5,10 @@ use std::collections::BTreeSet;
 use super::{
     error::PreparationError,
     physical::{PriorWeight, validate_known},
-    settings::{Case, Mask, ModelOptions, ParameterChoice, ParameterSelection, PositionFilter, Settings, SignalOptions, StatedMask},
+    settings::{
+        Case, Mask, ModelOptions, ParameterChoice, ParameterSelection, PositionFilter, Settings, SignalOptions,
+        StatedMask,
+    },
 };
 use thetahat_estimation::{
     control::ControllerDescription,

@@ -184,7 +184,7 @@ mod tests {
         }
     }
 
-    /// The noise of the joints differs a hundredfold and is correlated: the deviations of IDIM-IV are nearly three times as large.
+    /// The noise of the joints differs 100 times and is correlated: the deviations of IDIM-IV are nearly three times as large.
     #[test]
     fn errors_are_smaller_than_those_of_iv_and_as_large_as_predicted() {
         let runs = 60;
