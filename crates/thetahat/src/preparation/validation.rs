@@ -102,11 +102,11 @@ impl Settings {
     fn validate_position_filter(&self) -> Checked {
         let SignalOptions { position, filter_order, cutoff_hz, .. } = self.signal;
         match position {
-            PositionFilter::Butterworth if cutoff_hz == 0.0 => {
-                let why = "the position filter needs a cut-off; position = \"smoother\" finds its own";
-                Err(PreparationError::Missing { missing: "[signal] cutoff_hz", why })
+            PositionFilter::Butterworth => {
+                let expected = "a finite number above zero, or position = \"smoother\", which finds its own";
+                let is_positive = cutoff_hz > 0.0 && cutoff_hz.is_finite();
+                PreparationError::require(is_positive, "[signal] cutoff_hz", expected, cutoff_hz)
             }
-            PositionFilter::Butterworth => PreparationError::require_positive("[signal] cutoff_hz", cutoff_hz),
             PositionFilter::Smoother => {
                 let expected = "3, 4 or 5 with position = \"smoother\"";
                 let is_known = (3..=5).contains(&filter_order);
