@@ -67,7 +67,7 @@ fn check_experiment(check: &Check) -> Result<Ending, Box<dyn Error>> {
 /// Compares the errors of the estimates with the experiment's filter and others, or says why not.
 fn compare_filters(experiment: &Experiment, data: &Path) -> Result<(), Box<dyn Error>> {
     let progress = Progress::of("comparing filters on a simulated twin of the recording");
-    let choice = experiment.choose_filter(data, Some(experiment.settings.signal.filter()), threads(None));
+    let choice = experiment.choose_filter(data, experiment.settings.signal.filter(), threads(None));
     drop(progress);
     match choice {
         Ok(choice) => print(&report::filter_text(&choice, width()))?,

@@ -44,6 +44,9 @@ pub enum EstimationError {
     /// IV and DIDIM need the observation matrix of a simulated motion.
     #[error("this method needs instruments from a simulation: give a [controller]")]
     NoInstruments,
+    /// The noise of a series needs rows that follow one another in time.
+    #[error("this method models the noise in time, and the rows of a reduction have no order: use idim-iv")]
+    NoTimeOrder,
     /// There are not more rows than parameters.
     #[error(
         "{rows} rows cannot determine {columns} parameters; take a longer recording or a smaller decimation factor"

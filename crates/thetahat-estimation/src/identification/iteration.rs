@@ -1,7 +1,7 @@
 use serde::Deserialize;
 
 use super::{
-    estimators::Method,
+    estimators::{DesignMatrix, Method, Needs},
     fit::{Divisor, Fit},
     outcome::{Iteration, Outcome, Reason, Status},
     steps::Steps,
@@ -184,7 +184,8 @@ impl Estimation {
     /// Whether further simulations would not change an estimate by IV: the last instruments are all valid.
     fn is_settled(&self) -> bool {
         let changes = self.outcome.iterations.iter().rev().map_while(|i| i.parameter_change);
-        self.method == Method::IDIM_IV && self.options.convergence.are_settled(changes)
+        let is_iv = self.method.needs() == Needs::Instruments && self.method.design() == DesignMatrix::Measured;
+        is_iv && self.options.convergence.are_settled(changes)
     }
 
     fn accept(&mut self, fit: Fit, z: Matrix, regression: &Regression) {

@@ -9,6 +9,12 @@ pub enum SignalError {
     /// The order of a filter is zero.
     #[error("a filter of order 0 does not filter; give an order of at least 1")]
     ZeroOrder,
+    /// The smoother has no random walk of this order.
+    #[error("the smoother's random walk has order 3, 4 or 5, found {found}; 4 has the gain of the usual filter")]
+    SmootherOrder {
+        /// The order found.
+        found: usize,
+    },
     /// The sample rate is not a positive number.
     #[error("the sample rate must be a positive number, found {sample_rate_hz} Hz; give the rate of the recording")]
     InvalidSampleRate {

@@ -34,6 +34,8 @@ mod join;
 mod motion;
 mod pieces;
 mod pole_sums;
+mod random_walk;
+mod smoother;
 mod smoothing;
 mod spectrum;
 mod spectrum_end;
@@ -53,6 +55,8 @@ pub use hold::CentredHold;
 pub use hold::centred_hold;
 pub use motion::{moving_samples, moving_thresholds, peaks};
 pub use pieces::DecimatedPiece;
+#[doc(hidden)]
+pub use smoother::{SmoothedMotion, smooth_motion};
 pub use smoothing::{Smoothed, smooth};
 #[doc(hidden)]
 pub use smoothing::{densities_of_squares, noise_densities, squared_differences};

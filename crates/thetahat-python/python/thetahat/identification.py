@@ -51,7 +51,7 @@ def identify(
     recordings : Recording, path, DataFrame or a sequence of these
         The recordings; several form one regression. Columns of files and frames are recognised as by :func:`thetahat.read`.
     methods : str or sequence of str
-        ``"idim-ls"``, ``"idim-wls"``, ``"idim-iv"``, ``"didim"``, ``"clie"``, ``"cloe"``.
+        ``"idim-ls"``, ``"idim-wls"``, ``"idim-iv"``, ``"idim-piv"``, ``"didim"``, ``"clie"``, ``"cloe"``.
     estimators : mapping, optional
         Your own estimators by name, in addition to the methods: functions of a :class:`thetahat.Regression` that return ``theta``,
         ``(theta, covariance)`` or a :class:`thetahat.Fit`; or linear models of scikit-learn made with ``fit_intercept=False``.
@@ -150,16 +150,19 @@ def _read(
 def _choose_missing(
     robot: Robot, recordings: list[Recording], settings: dict[str, Any], report_stage: Progress | None
 ) -> None:
-    """Complete the settings by a filter if they have none."""
+    """Complete the settings by a filter if they have none. The smoother finds its own cut-off."""
+    smooths = settings["signal"].get("position") == "smoother"
+    if smooths and settings["signal"]["cutoff_hz"] is None:
+        settings["signal"]["cutoff_hz"] = 0.0
     missing = [key for key in ("cutoff_hz", "decimation") if settings["signal"][key] is None]
-    if len(missing) == 1:
+    if len(missing) == 1 and not smooths:
         given = "decimation" if missing == ["cutoff_hz"] else "cutoff_hz"
         raise SettingsError(f"{given} is given without {missing[0]}: give both, or neither and both are chosen")
     if missing:
         if report_stage is not None:
             report_stage("choosing the filter")
         found = chosen(robot, recordings, settings)
-        settings["signal"].update(cutoff_hz=found.cutoff_hz, decimation=found.decimation)
+        settings["signal"].update({key: getattr(found, key) for key in missing})
 
 
 @suggesting

@@ -13,8 +13,8 @@ use super::{
     twin::{Mover, RecordingTwin},
 };
 use crate::preparation::{
-    Basis, Case, FilteredRecording, ParameterChoice, ParameterSelection, PreparationError, Problem, Recording,
-    Settings, Setup, SignalOptions, propose_controller,
+    Basis, Case, FilteredRecording, ParameterChoice, ParameterSelection, PositionFilter, PreparationError, Problem,
+    Recording, Settings, Setup, SignalOptions, propose_controller,
 };
 use thetahat_estimation::{
     control::ControllerDescription,
@@ -136,7 +136,8 @@ impl<'a> Study<'a> {
     /// The settings with another filter.
     fn settings_with(&self, filter: Filter) -> Settings {
         let Filter { cutoff_hz, decimation } = filter;
-        let signal = SignalOptions { cutoff_hz, decimation, ..self.settings.signal };
+        let position = PositionFilter::Butterworth;
+        let signal = SignalOptions { position, cutoff_hz, decimation, ..self.settings.signal };
         Settings { signal, ..self.settings.clone() }
     }
 

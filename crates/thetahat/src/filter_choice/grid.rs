@@ -1,13 +1,14 @@
 //! The filters that are compared.
 
-use crate::preparation::SignalOptions;
+use crate::preparation::{PositionFilter, SignalOptions};
 use thetahat_report::results::Filter;
 
 impl SignalOptions {
-    /// The cut-off with the decimation.
+    /// The cut-off with the decimation; none if the smoother finds the cut-off.
     #[must_use]
-    pub fn filter(&self) -> Filter {
-        Filter { cutoff_hz: self.cutoff_hz, decimation: self.decimation }
+    pub fn filter(&self) -> Option<Filter> {
+        let filter = Filter { cutoff_hz: self.cutoff_hz, decimation: self.decimation };
+        (self.position == PositionFilter::Butterworth).then_some(filter)
     }
 }
 

@@ -60,7 +60,7 @@ impl Setup<'_> {
         let options = self.settings.signal.in_window(recording.window_s);
         let rate = recording.sample_rate_hz;
         self.require_periods(recording.position.len(), rate)?;
-        let whole = self.band_pass(&recording.position, rate)?;
+        let (whole, notes) = self.measured_motion_with_notes(&recording)?;
         let channels = recording.channels_named(&self.robot.channels(), self.robot.coordinate_count())?;
         let channels = channels.map(|c| self.band_pass(&c, rate)).transpose()?.map(|filtered| filtered.q);
         let payload_torque = self.payload_torque(&recording, &whole)?;
@@ -69,7 +69,8 @@ impl Setup<'_> {
         let recording = known.fold(recording, Recording::less_torque);
         let UsedWindow { samples: window, cut_at } = self.window(&recording, &whole)?;
         let Motion { q, dq, ddq } = whole;
-        let recording = with_note_of_ends(recording, options.cutoff_hz, cut_at);
+        let mut recording = with_note_of_ends(recording, options.cutoff_hz, cut_at);
+        recording.notes.extend(notes);
         let cut = |series: &Series| series.window(window.clone());
         let scale = self.settings.simulation.sign_velocity_scale;
         let recorded = [&recording.position, &q].map(cut);
@@ -350,7 +351,7 @@ impl FilteredRecording {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::preparation::Mask;
+    use crate::preparation::{Mask, PositionFilter};
     use thetahat_estimation::signal::Derivative;
     use thetahat_model::robot::Robot;
 
@@ -366,6 +367,7 @@ mod tests {
     #[test]
     fn a_stated_window_has_no_distorted_ends_of_a_recording_that_starts_or_ends_in_motion() {
         let options = SignalOptions {
+            position: PositionFilter::Butterworth,
             filter_order: 4,
             cutoff_hz: 10.0,
             decimation: 1,

@@ -61,7 +61,7 @@ pub use settings::{
     Case, EstimationOptions, Mask, ModelOptions, ParameterChoice, ParameterSelection, SignalOptions, SimulationOptions,
 };
 #[doc(hidden)]
-pub use settings::{Gains, NamedChoice, NamedMask, Settings, Start, StatedMask};
+pub use settings::{Gains, NamedChoice, NamedMask, PositionFilter, Settings, Start, StatedMask};
 pub(crate) use setup::{Basis, Setup};
 pub(crate) use simulable::Simulable;
 pub(crate) use validation::validate_window;

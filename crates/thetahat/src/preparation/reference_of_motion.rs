@@ -26,7 +26,7 @@ impl Setup<'_> {
     /// Moves where the motion is made of them, a Fourier series where it repeats, else the motion itself, smoothed.
     pub(crate) fn reference_of_motion(&self, recording: &Recording) -> Result<RecordedReference, PreparationError> {
         let rate = recording.sample_rate_hz;
-        let motion = self.band_pass(&recording.position, rate)?;
+        let motion = self.measured_motion(recording)?;
         let moves = reconstruct(&recording.position, &motion.dq, rate).ok();
         let fits = |limit: f64| {
             let found = moves.as_ref().filter(|found| fits(&found.rms_deviation, &motion.q, limit));

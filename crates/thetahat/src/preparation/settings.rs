@@ -48,6 +48,7 @@ impl Settings {
     #[must_use]
     pub fn new(cutoff_hz: f64, decimation: usize) -> Self {
         let signal = SignalOptions {
+            position: PositionFilter::Butterworth,
             filter_order: default_filter_order(),
             cutoff_hz,
             decimation,
@@ -119,10 +120,14 @@ impl Settings {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SignalOptions {
-    /// Order of the Butterworth filter of the positions, which runs forward and backward.
+    /// How positions are filtered.
+    #[serde(default)]
+    pub position: PositionFilter,
+    /// Order of the Butterworth filter of the positions, which runs forward and backward, or of the smoother's random walk: 3, 4 or 5.
     #[serde(default = "default_filter_order")]
     pub filter_order: usize,
-    /// Its cut-off.
+    /// Cut-off of the Butterworth filter, which needs one. The smoother finds its own for each joint.
+    #[serde(default)]
     pub cutoff_hz: f64,
     /// Every how many samples one is kept, after the parallel filter.
     pub decimation: usize,
@@ -137,6 +142,17 @@ pub struct SignalOptions {
     /// Which samples make no rows because a joint is near rest.
     #[serde(default)]
     pub mask: Mask,
+}
+
+/// How positions are filtered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PositionFilter {
+    /// A Butterworth low-pass, forward and backward, then differences.
+    #[default]
+    Butterworth,
+    /// A Kalman smoother of a random walk of `filter_order`, whose cut-off for each joint has the largest likelihood.
+    Smoother,
 }
 
 /// Which samples of a joint make no rows: near rest, a wrong sign of the velocity makes a wrong sign of its friction. What makes

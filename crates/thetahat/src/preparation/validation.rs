@@ -5,7 +5,10 @@ use std::collections::BTreeSet;
 use super::{
     error::PreparationError,
     physical::{PriorWeight, validate_known},
-    settings::{Case, Mask, ModelOptions, ParameterChoice, ParameterSelection, Settings, StatedMask},
+    settings::{
+        Case, Mask, ModelOptions, ParameterChoice, ParameterSelection, PositionFilter, Settings, SignalOptions,
+        StatedMask,
+    },
 };
 use thetahat_estimation::{
     control::ControllerDescription,
@@ -86,7 +89,7 @@ impl Settings {
         let orders = 1..=HIGHEST_ORDER;
         let (key, expected) = ("[signal] filter_order", format!("from 1 to {HIGHEST_ORDER}"));
         PreparationError::require(orders.contains(&signal.filter_order), key, &expected, signal.filter_order)?;
-        PreparationError::require_positive("[signal] cutoff_hz", signal.cutoff_hz)?;
+        self.validate_position_filter()?;
         PreparationError::require(signal.decimation > 0, "[signal] decimation", "at least 1", signal.decimation)?;
         if let Mask::Stated(StatedMask { velocity, widened_s }) = signal.mask {
             PreparationError::require_positive("[signal] mask.velocity", velocity)?;
@@ -94,6 +97,31 @@ impl Settings {
             PreparationError::require((0.0..=LONGEST_WIDENING_S).contains(&widened_s), key, expected, widened_s)?;
         }
         validate_window("[signal]", [signal.window_start_s, signal.window_end_s])
+    }
+
+    fn validate_position_filter(&self) -> Checked {
+        let SignalOptions { position, filter_order, cutoff_hz, .. } = self.signal;
+        match position {
+            PositionFilter::Butterworth => {
+                let expected = "a finite number above zero, or position = \"smoother\", which finds its own";
+                let is_positive = cutoff_hz > 0.0 && cutoff_hz.is_finite();
+                PreparationError::require(is_positive, "[signal] cutoff_hz", expected, cutoff_hz)
+            }
+            PositionFilter::Smoother => {
+                let expected = "3, 4 or 5 with position = \"smoother\"";
+                let is_known = (3..=5).contains(&filter_order);
+                PreparationError::require(is_known, "[signal] filter_order", expected, filter_order)?;
+                let expected = "none with position = \"smoother\", which finds its own";
+                PreparationError::require(cutoff_hz == 0.0, "[signal] cutoff_hz", expected, cutoff_hz)
+            }
+        }
+    }
+
+    /// Refuses the smoother where there is no whole recording to find its cut-off from.
+    pub(crate) fn require_stated_cutoff(&self, why: &str) -> Checked {
+        let expected = format!("\"butterworth\" with a cutoff_hz: the smoother takes a whole recording, and {why}");
+        let is_stated = self.signal.position == PositionFilter::Butterworth;
+        PreparationError::require(is_stated, "[signal] position", &expected, "\"smoother\"")
     }
 
     /// Fixed parameters are taken off torques: what compares simulated torques with whole ones cannot have any.
@@ -276,6 +304,33 @@ mod tests {
         let mut settings = Settings::new(20.0, 10);
         settings.parameters.exclude = vec![name.to_owned()];
         settings.validate(&Robot::parse(ARM, Path::new("arm.toml")).unwrap())
+    }
+
+    /// What a value of `position` with an order and a cut-off is refused for; none if it is not.
+    fn refused(position: PositionFilter, filter_order: usize, cutoff_hz: f64) -> Option<String> {
+        let mut settings = Settings::new(cutoff_hz, 10);
+        (settings.signal.position, settings.signal.filter_order) = (position, filter_order);
+        settings.validate_position_filter().err().map(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_filter_has_a_cut_off_and_a_smoother_has_none() {
+        assert_eq!(refused(PositionFilter::Butterworth, 2, 20.0), None);
+        assert_eq!(refused(PositionFilter::Smoother, 4, 0.0), None);
+        let missing = refused(PositionFilter::Butterworth, 4, 0.0).unwrap();
+        assert!(missing.contains("[signal] cutoff_hz"), "{missing}");
+        let stated = refused(PositionFilter::Smoother, 4, 20.0).unwrap();
+        assert!(stated.contains("[signal] cutoff_hz") && stated.contains("finds its own"), "{stated}");
+        let order = refused(PositionFilter::Smoother, 2, 0.0).unwrap();
+        assert!(order.contains("[signal] filter_order") && order.contains("3, 4 or 5"), "{order}");
+    }
+
+    #[test]
+    fn what_reads_in_pieces_refuses_the_smoother() {
+        let mut settings = Settings::new(0.0, 10);
+        settings.signal.position = PositionFilter::Smoother;
+        assert!(settings.require_stated_cutoff("a reduction reads in pieces").is_err());
+        assert!(Settings::new(20.0, 10).require_stated_cutoff("a reduction reads in pieces").is_ok());
     }
 
     #[test]

@@ -66,6 +66,7 @@ impl Experiment {
             let expected = "no torque term of a recorded channel: a reduction does not read it; use thetahat identify";
             return Err(self.refuse(PreparationError::value("[[term]]", expected, channel)).into());
         }
+        self.settings.require_stated_cutoff("a reduction reads in pieces").map_err(|e| self.refuse(e))?;
         let Basis { model, base } = self.setup().basis(&Case::nominal()).map_err(|e| self.refuse(e))?;
         let theta = instruments.map(|named| self.base_values(&model, &base, named)).transpose()?;
         self.require_stated_terms()?;

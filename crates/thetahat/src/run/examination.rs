@@ -125,6 +125,8 @@ pub(crate) fn check_recordings(
     main: Vec<Recording>,
     held_back: Vec<Recording>,
 ) -> Result<Vec<RecordingFindings>, PreparationError> {
+    let settings = setup.settings.clone().with_cutoff_of(&main)?;
+    let setup = Setup { settings: &settings, ..setup };
     let prepare = |recording: Recording| {
         let filtered = setup.filter(recording)?;
         let controller = setup.settings.controller.as_ref();

@@ -92,6 +92,7 @@ impl Identification {
     pub fn new(robot: &Robot, recordings: Vec<Recording>, settings: Settings) -> Result<Self, PreparationError> {
         let settings = settings.for_robot(robot)?;
         settings.validate(robot)?;
+        let settings = settings.with_cutoff_of(&recordings)?;
         let robot = robot.clone();
         let mut identification = Self {
             robot,

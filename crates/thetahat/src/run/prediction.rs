@@ -38,6 +38,8 @@ pub(crate) fn predict_torques(
     identified: &Identified<'_>,
     recording: Recording,
 ) -> Result<Prediction, PreparationError> {
+    let settings = setup.settings.clone().with_cutoff_of(std::slice::from_ref(&recording))?;
+    let setup = Setup { settings: &settings, ..setup };
     let basis = setup.basis(identified.case)?;
     let column = |name: &String| basis.base.parameters().iter().find(|p| p.name == *name).map(|p| p.kept);
     let known = identified.parameters.iter().filter_map(|(name, value)| Some((column(name)?, *value)));

@@ -37,7 +37,7 @@ pub fn idim_iv(regression: &Regression, z: &Matrix, divisor: Divisor) -> Result<
 }
 
 /// `W Q (X_w^T Q)^-1` with `Z_w = Q R` and the weights W.
-fn influence(regression: &Regression, z: &Matrix) -> Result<Matrix, EstimationError> {
+pub(super) fn influence(regression: &Regression, z: &Matrix) -> Result<Matrix, EstimationError> {
     let influence = instrumental_variables(regression, z)?.influence();
     Ok(regression.whiten_matrix(&influence).into_owned())
 }

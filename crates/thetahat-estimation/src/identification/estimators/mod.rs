@@ -9,6 +9,7 @@ mod didim;
 mod estimator;
 mod iv;
 mod ls;
+mod piv;
 mod wls;
 
 use std::{cmp::Ordering, fmt, str::FromStr, sync::LazyLock};
@@ -27,8 +28,8 @@ use crate::regression::Regression;
 use thetahat_ground::linear_algebra::Matrix;
 
 /// Every estimator, in the order of tables.
-static ESTIMATORS: [&Estimator; 6] =
-    [&ls::IDIM_LS, &wls::IDIM_WLS, &iv::IDIM_IV, &didim::DIDIM, &clie::CLIE, &cloe::CLOE];
+static ESTIMATORS: [&Estimator; 7] =
+    [&ls::IDIM_LS, &wls::IDIM_WLS, &iv::IDIM_IV, &piv::IDIM_PIV, &didim::DIDIM, &clie::CLIE, &cloe::CLOE];
 static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| ESTIMATORS.iter().map(|e| e.name).collect());
 
 /// An estimator of the table.
@@ -50,6 +51,8 @@ impl Method {
     pub const IDIM_WLS: Self = Self(&wls::IDIM_WLS);
     /// Instrumental variables from a simulated motion (10).
     pub const IDIM_IV: Self = Self(&iv::IDIM_IV);
+    /// Instrumental variables of rows whose noise is made white.
+    pub const IDIM_PIV: Self = Self(&piv::IDIM_PIV);
     /// Least squares on the simulated motion (19).
     pub const DIDIM: Self = Self(&didim::DIDIM);
     /// Least squares between measured and simulated torques (11) to (15).

@@ -32,6 +32,7 @@ const SEED: u64 = 1;
 impl Design {
     pub(in crate::design) fn validate(&self) -> Result<(), DesignError> {
         self.settings.validate(&self.robot).map_err(|source| self.refuse(source))?;
+        self.settings.require_stated_cutoff("a design has none").map_err(|source| self.refuse(source))?;
         self.validate_duration()?;
         self.validate_motion()?;
         self.validate_noise()?;
