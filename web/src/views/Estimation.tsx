@@ -5,7 +5,7 @@ import type { App } from "../app";
 import type { ProposalAnswer } from "../contract";
 import type { State } from "../state";
 
-const METHODS = ["idim-ls", "idim-wls", "idim-iv", "didim", "clie", "cloe"];
+const METHODS = ["idim-ls", "idim-wls", "idim-iv", "idim-piv", "didim", "clie", "cloe"];
 /** What is proposed of a log with torques. */
 const USUAL = ["idim-wls", "idim-iv"];
 /** Methods that simulate the loop with the robot's own controller. */

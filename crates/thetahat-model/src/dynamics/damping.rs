@@ -1,6 +1,6 @@
 //! Derivatives of the drives' torques with respect to velocities: exact, from the torque kernel.
 
-use super::{loops::LoopScratch, model::Model, parameters::DynamicParameters, sign::Sign, state::State};
+use super::{model::Model, parameters::DynamicParameters, sign::Sign, state::State, workspace::LoopScratch};
 use thetahat_ground::real::Dual;
 
 /// Scratch of [`Model::damping_into`].

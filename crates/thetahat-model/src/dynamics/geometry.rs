@@ -1,5 +1,4 @@
 use super::{
-    loops::ClosedTree,
     motion::LinkMotion,
     rotation::{Rotation, Turn},
     sign::Sign,
@@ -60,17 +59,6 @@ impl JointGeometry {
             moved_by: JointCoordinate { coordinate, ratio, offset },
             also_moved_by: joint.also_follows.iter().map(|share| (coordinate_of(share.of), share.ratio)).collect(),
         }
-    }
-
-    /// That it moves as near the position at which the description closes the loops; `of_tree` is the same joint of the tree.
-    pub(super) fn follow_loops(&mut self, of_tree: &Self, closed: &ClosedTree) {
-        let mut shares = closed.shares_near_reference(of_tree.shares());
-        let position = of_tree.position(closed.reference());
-        let first = if shares.is_empty() { (0, 0.0) } else { shares.remove(0) };
-        let others: f64 = shares.iter().map(|(c, ratio)| ratio * closed.reference_of(*c)).sum();
-        let offset = position - first.1 * closed.reference_of(first.0) - others;
-        self.moved_by = JointCoordinate { coordinate: first.0, ratio: first.1, offset };
-        self.also_moved_by = shares;
     }
 
     /// The coordinates that move it, and their ratios.

@@ -74,11 +74,11 @@ mod workspace;
 pub use coupled_motor::CoupledMotor;
 pub(crate) use frames::JointFrame;
 pub use jump::Jump;
-pub(crate) use loops::LoopScratch;
 pub use model::{DynamicsError, Model};
 pub use parameters::DynamicParameters;
 pub use sign::Sign;
 pub use state::{JointCoordinate, State};
+pub(crate) use workspace::LoopScratch;
 pub use workspace::Workspace;
 
 pub(crate) use adjoint::{Adjoint, LinkAdjoint};

@@ -1,7 +1,7 @@
 use super::{
     coupled_motor::{CoupledMotor, coupled_motors},
     geometry::JointGeometry,
-    loops::ClosedTree,
+    loops::Condition,
     sign::Sign,
     state::{JointCoordinate, State},
     term_columns::{ModelTerm, terms_of},
@@ -90,6 +90,28 @@ pub struct Model {
     /// The tree and its conditions if loops move some joints; the other fields then hold the joints as they move near the position at
     /// which the description closes the loops.
     closed: Option<Box<ClosedTree>>,
+}
+
+/// A tree with conditions that close its loops.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ClosedTree {
+    /// The tree in which all joints move.
+    pub(crate) tree: Model,
+    /// The coordinates of the tree that are coordinates of the robot.
+    pub(super) independent: Vec<usize>,
+    /// The other coordinates of the tree.
+    pub(super) passive: Vec<usize>,
+    pub(super) conditions: Vec<Condition>,
+    /// The coordinates of the robot that can move each coordinate of the tree.
+    pub(super) movers: Vec<Vec<usize>>,
+    /// Number of equations.
+    pub(super) equations: usize,
+    /// Coordinates of the tree where the loops are closed.
+    pub(super) reference: Vec<f64>,
+    /// `G` there, row by row of the tree's coordinates.
+    pub(super) slopes_near: Vec<f64>,
+    /// Why there are none; the first condition of the description that is wrong.
+    pub(super) problem: Option<DynamicsError>,
 }
 
 /// The coordinates that move a link, those nearer to the base first, and where their twists are in the workspace.

@@ -1,16 +1,8 @@
 //! `phi = G^T phi_tree` of mechanisms that close.
 
-use super::observation::{Entry, Regressor};
+use super::observation::{Entry, OfTree, Regressor};
 use crate::dynamics::{LoopScratch, Model, Sign, State, Workspace};
 use thetahat_ground::series::Series;
-
-/// The regressor of the tree, and where its entries act on the robot's coordinates.
-#[derive(Debug, Clone)]
-pub(super) struct OfTree {
-    regressor: Regressor,
-    /// For each entry of the tree's regressor: the robot's coordinates on which it acts, with the index of the entry there.
-    targets: Vec<Vec<(usize, usize)>>,
-}
 
 impl OfTree {
     /// The entries of a robot's regressor, and its tree's regressor; none of a tree.

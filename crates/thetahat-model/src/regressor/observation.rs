@@ -1,7 +1,4 @@
-use super::{
-    inertial::{InertialEntries, InertialEntry},
-    loops::OfTree,
-};
+use super::inertial::{InertialEntries, InertialEntry};
 use crate::{
     dynamics::{JointCoordinate, Model, Sign, State, Workspace},
     robot::{JointQuantity, MotorQuantity, Parameter, Quantity, TermQuantity},
@@ -30,6 +27,14 @@ pub struct Regressor {
     channels: Option<Series>,
     /// The regressor of the tree if loops move some of the joints; the entries above are then empty but for their places.
     of_tree: Option<Box<OfTree>>,
+}
+
+/// The regressor of the tree, and where its entries act on the robot's coordinates.
+#[derive(Debug, Clone)]
+pub(super) struct OfTree {
+    pub(super) regressor: Regressor,
+    /// For each entry of the tree's regressor: the robot's coordinates on which it acts, with the index of the entry there.
+    pub(super) targets: Vec<Vec<(usize, usize)>>,
 }
 
 /// The source of an entry.

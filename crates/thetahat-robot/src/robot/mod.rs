@@ -25,6 +25,7 @@ mod loading;
 mod locking;
 mod loops;
 mod mjcf;
+mod opened;
 mod parameters;
 mod physical;
 mod quantity;

@@ -39,6 +39,7 @@ mod report;
 mod robustness;
 mod sensitivities;
 mod several_recordings;
+mod smoother;
 mod stiff_simulation;
 mod torque_terms;
 #[path = "../../examples/studies/twins/mod.rs"]

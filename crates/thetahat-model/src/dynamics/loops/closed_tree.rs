@@ -1,35 +1,17 @@
+//! How the coordinates of a tree move in a mechanism that closes.
+
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{
-    conditions::{Condition, conditions_of},
-    scratch::LoopScratch,
-};
+use super::{condition::Condition, conditions::conditions_of};
 use crate::{
-    dynamics::model::{DynamicsError, Model},
+    dynamics::{
+        geometry::JointGeometry,
+        model::{ClosedTree, DynamicsError, Model},
+        state::JointCoordinate,
+        workspace::LoopScratch,
+    },
     robot::Robot,
 };
-
-/// A tree with conditions that close its loops.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct ClosedTree {
-    /// The tree in which all joints move.
-    pub(crate) tree: Model,
-    /// The coordinates of the tree that are coordinates of the robot.
-    pub(super) independent: Vec<usize>,
-    /// The other coordinates of the tree.
-    pub(super) passive: Vec<usize>,
-    pub(super) conditions: Vec<Condition>,
-    /// The coordinates of the robot that can move each coordinate of the tree.
-    movers: Vec<Vec<usize>>,
-    /// Number of equations.
-    pub(super) equations: usize,
-    /// Coordinates of the tree where the loops are closed.
-    pub(super) reference: Vec<f64>,
-    /// `G` there, row by row of the tree's coordinates.
-    pub(super) slopes_near: Vec<f64>,
-    /// Why there are none; the first condition of the description that is wrong.
-    problem: Option<DynamicsError>,
-}
 
 impl ClosedTree {
     /// The closed tree of a robot, whose loops may prove impossible: see [`Self::problem`].
@@ -97,6 +79,19 @@ impl ClosedTree {
             }
         }
         shares.into_iter().collect()
+    }
+}
+
+impl JointGeometry {
+    /// That it moves as near the position at which the description closes the loops; `of_tree` is the same joint of the tree.
+    pub(in crate::dynamics) fn follow_loops(&mut self, of_tree: &Self, closed: &ClosedTree) {
+        let mut shares = closed.shares_near_reference(of_tree.shares());
+        let position = of_tree.position(closed.reference());
+        let first = if shares.is_empty() { (0, 0.0) } else { shares.remove(0) };
+        let others: f64 = shares.iter().map(|(c, ratio)| ratio * closed.reference_of(*c)).sum();
+        let offset = position - first.1 * closed.reference_of(first.0) - others;
+        self.moved_by = JointCoordinate { coordinate: first.0, ratio: first.1, offset };
+        self.also_moved_by = shares;
     }
 }
 

@@ -1,7 +1,9 @@
 //! Positions of passive joints from those of the robot's coordinates.
 
-use super::{closed_tree::ClosedTree, scratch::LoopScratch};
-use crate::dynamics::model::DynamicsError;
+use crate::dynamics::{
+    model::{ClosedTree, DynamicsError},
+    workspace::LoopScratch,
+};
 use thetahat_ground::linear_algebra::norm;
 
 /// Largest step of the coordinates on the way to a position, rad or m, and the least one before the way is given up.

@@ -2,30 +2,17 @@
 
 use std::collections::BTreeSet;
 
-use super::{closed_tree::ClosedTree, scratch::LoopScratch};
+use super::condition::{Anchor, Condition};
 use crate::{
-    dynamics::{frames::JointFrame, geometry::BASE, model::Model},
+    dynamics::{
+        frames::JointFrame,
+        geometry::BASE,
+        model::{ClosedTree, Model},
+        workspace::LoopScratch,
+    },
     robot::{Loop, LoopKind, Robot},
 };
-use thetahat_ground::vector::{Vec3, add, cross, dot, norm, scale, sub, times};
-
-/// A point of a link, in the axes of its joint's frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Anchor {
-    /// The link's joint, or [`BASE`].
-    joint: usize,
-    point: Vec3,
-}
-
-/// A condition between two links.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Condition {
-    /// The loop, from zero.
-    pub(super) of_loop: usize,
-    ends: [Anchor; 2],
-    /// The distance of the points, m; none if they coincide.
-    distance: Option<f64>,
-}
+use thetahat_ground::vector::{Vec3, add, dot, norm, scale, sub, times};
 
 /// The conditions of a robot's loops.
 pub(super) fn conditions_of(robot: &Robot) -> Vec<Condition> {
@@ -44,30 +31,6 @@ pub(super) fn conditions_of(robot: &Robot) -> Vec<Condition> {
         of_loop.points().into_iter().map(condition).collect::<Vec<_>>()
     };
     robot.loops.iter().enumerate().flat_map(of_loop).collect()
-}
-
-impl Condition {
-    /// Number of its equations.
-    pub(super) fn equations(&self) -> usize {
-        if self.distance.is_some() { 1 } else { 3 }
-    }
-}
-
-/// Velocity and acceleration of a link, in the frame of the base: `w`, `dw`, and `v`, `a` of its frame's origin.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Spin {
-    pub(super) w: Vec3,
-    pub(super) dw: Vec3,
-    pub(super) v: Vec3,
-    pub(super) a: Vec3,
-}
-
-impl Spin {
-    /// Velocity and acceleration of a point of the link at `arm` from the frame's origin.
-    pub(super) fn of_point(&self, arm: Vec3) -> [Vec3; 2] {
-        let turning = cross(self.w, arm);
-        [add(self.v, turning), add(self.a, add(cross(self.dw, arm), cross(self.w, turning)))]
-    }
 }
 
 /// The origin of the anchor's frame and the point, in the frame of the base.

@@ -2,15 +2,15 @@
 
 use std::ops::Range;
 
-use super::{closed_tree::ClosedTree, scratch::LoopScratch};
 use crate::dynamics::{
     damping::DampingWorkspace,
     jacobian::Jacobian,
-    model::{DynamicsError, Model},
+    model::{ClosedTree, DynamicsError, Model},
     parameters::DynamicParameters,
     sign::Sign,
     solve::{factorise, solve_factorised},
     state::State,
+    workspace::LoopScratch,
 };
 use thetahat_ground::{series::Series, vector::Vec3};
 

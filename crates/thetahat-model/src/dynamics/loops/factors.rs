@@ -1,7 +1,7 @@
 //! Least squares with `J_p`: modified Gram-Schmidt, which is as accurate as Householder's method when right-hand sides are treated as
 //! further columns.
 
-use super::{closed_tree::ClosedTree, scratch::LoopScratch};
+use crate::dynamics::{model::ClosedTree, workspace::LoopScratch};
 use thetahat_ground::linear_algebra::{dot, norm};
 
 /// Part of a column of `J_p`, relative to the longest, below which the passive joint can move while the others stand still.

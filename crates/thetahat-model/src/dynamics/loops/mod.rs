@@ -8,13 +8,14 @@
 
 mod closed_tree;
 mod closing;
+mod condition;
 mod conditions;
 mod dynamics;
 mod factors;
 mod motion;
-mod scratch;
+mod spin;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use closed_tree::ClosedTree;
-pub(crate) use scratch::LoopScratch;
+pub(super) use condition::Condition;
+pub(super) use spin::Spin;

@@ -1,9 +1,10 @@
 //! Velocities and accelerations of all joints from those of the robot's coordinates.
 
-use super::{closed_tree::ClosedTree, conditions::Spin, scratch::LoopScratch};
+use super::spin::Spin;
 use crate::dynamics::{
     frames::JointFrame,
-    model::{DynamicsError, Model},
+    model::{ClosedTree, DynamicsError, Model},
+    workspace::LoopScratch,
 };
 use thetahat_ground::vector::{add, cross, scale, sub};
 
