@@ -105,7 +105,8 @@ impl Settings {
             PositionFilter::Butterworth => {
                 let expected = "a finite number above zero, or position = \"smoother\", which finds its own";
                 let is_positive = cutoff_hz > 0.0 && cutoff_hz.is_finite();
-                PreparationError::require(is_positive, "[signal] cutoff_hz", expected, cutoff_hz)
+                let found = if cutoff_hz == 0.0 { "missing or zero".to_owned() } else { cutoff_hz.to_string() };
+                PreparationError::require(is_positive, "[signal] cutoff_hz", expected, found)
             }
             PositionFilter::Smoother => {
                 let expected = "3, 4 or 5 with position = \"smoother\"";
