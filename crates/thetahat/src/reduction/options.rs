@@ -8,8 +8,8 @@ pub struct ReduceOptions {
     pub threads: usize,
     /// Samples of one piece, about.
     pub piece_samples: usize,
-    /// Whether rows alone are kept: of short recordings the samples are kept otherwise, from which [`Reduction::solve`]
-    /// estimates all that [`Experiment::run`] does.
+    /// Whether rows alone are kept: of short recordings the samples are kept otherwise, from which `Reduction::solve`
+    /// estimates all that `Experiment::run` does.
     pub rows_only: bool,
 }
 
