@@ -105,7 +105,7 @@ impl Settings {
             PositionFilter::Butterworth => {
                 let expected = "a finite number above zero, or position = \"smoother\", which finds its own";
                 let is_positive = cutoff_hz > 0.0 && cutoff_hz.is_finite();
-                let found = if cutoff_hz == 0.0 { "missing or zero".to_owned() } else { cutoff_hz.to_string() };
+                let found = if cutoff_hz == 0.0 { "0 or missing".to_owned() } else { cutoff_hz.to_string() };
                 PreparationError::require(is_positive, "[signal] cutoff_hz", expected, found)
             }
             PositionFilter::Smoother => {

@@ -20,7 +20,7 @@ const LIKELY: f64 = 2.0;
 const CERTAIN: f64 = 4.0;
 
 /// Errors of a joint's torque over its deviation from which what the model lacks decides, and not whose torque it is.
-const MOST_UNEXPLAINED: f64 = 0.15;
+const MOST_UNEXPLAINED: f64 = 0.1;
 
 /// Corrects the exchange of positions and torques that the recording supports most, if its likelihood is larger beyond chance.
 pub(super) fn check<'h>(
