@@ -74,6 +74,7 @@ mod workspace;
 pub use coupled_motor::CoupledMotor;
 pub(crate) use frames::JointFrame;
 pub use jump::Jump;
+pub(crate) use loops::DIFFERENCES;
 pub use model::{DynamicsError, Model};
 pub use parameters::DynamicParameters;
 pub use sign::Sign;

@@ -1,7 +1,7 @@
 //! `phi = G^T phi_tree` of mechanisms that close.
 
 use super::observation::{Entry, OfTree, Regressor};
-use crate::dynamics::{LoopScratch, Model, Sign, State, Workspace};
+use crate::dynamics::{DIFFERENCES, LoopScratch, Model, Sign, State, Workspace};
 use thetahat_ground::series::Series;
 
 impl OfTree {
@@ -47,10 +47,6 @@ impl OfTree {
         }
     }
 }
-
-/// Steps of central differences: of positions, rad or m, of velocities, a thousandth of the transition of Coulomb friction, and of
-/// accelerations, of which the entries are linear.
-const DIFFERENCES: [f64; 3] = [1e-5, 1e-6, 1.0];
 
 impl Regressor {
     /// As [`Regressor::weighted_slopes`].

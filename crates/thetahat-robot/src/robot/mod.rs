@@ -1,8 +1,8 @@
 //! The robot as data: links and joints, transmission, friction, and the one table of standard parameters.
 //!
-//! A robot is a tree of revolute and prismatic joints, whose loops of links are closed by conditions, read from our TOML in Denavit-Hartenberg form (modified, with
-//! Khalil's gamma and b for trees, or standard), from a URDF, from an MJCF, or from a TOML that stands on one of them. Its
-//! dynamic parameters are named once, in [`ParameterTable`].
+//! A robot is a tree of revolute and prismatic joints, whose loops of links are closed by conditions. It is read from our TOML in
+//! Denavit-Hartenberg form (modified, with Khalil's gamma and b for trees, or standard), from a URDF, from an MJCF, or from a TOML that
+//! stands on one of them. Its dynamic parameters are named once, in [`ParameterTable`].
 //!
 //! ```
 //! use std::path::Path;

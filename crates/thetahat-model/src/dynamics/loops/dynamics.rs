@@ -14,8 +14,9 @@ use crate::dynamics::{
 };
 use thetahat_ground::{series::Series, vector::Vec3};
 
-/// Steps of central differences: of positions, rad or m, and of velocities, a thousandth of the transition of Coulomb friction.
-const DIFFERENCES: [f64; 2] = [1e-5, 1e-6];
+/// Steps of central differences: of positions, rad or m; of velocities, rad/s or m/s, below a thousandth of usual transitions of Coulomb
+/// friction; and of accelerations, in which torques are linear.
+pub(crate) const DIFFERENCES: [f64; 3] = [1e-5, 1e-6, 1.0];
 /// Most halves of the way to a position that is out of reach.
 const MOST_HALVES: usize = 20;
 

@@ -18,4 +18,5 @@ mod spin;
 mod tests;
 
 pub(super) use condition::Condition;
+pub(crate) use dynamics::DIFFERENCES;
 pub(super) use spin::Spin;
