@@ -227,8 +227,9 @@ pub struct Check {
 
 #[derive(Args)]
 pub struct Compare {
-    /// Files of `identify --out` or `solve --out`; the others are compared with the first
-    #[arg(value_name = "RESULTS.json", required = true, num_args = 2..)]
+    /// Files or folders of `identify --out` or `solve --out`; the others are compared with the first, which may be the predicted.csv of a
+    /// design
+    #[arg(value_name = "RESULTS", required = true, num_args = 2..)]
     pub results: Vec<PathBuf>,
     /// The method whose parameters are compared [default: the model]
     #[arg(long, value_parser = method())]

@@ -13,7 +13,10 @@ use thetahat::{
     symbolic::BaseFormulas,
 };
 use thetahat_ground::output::{FileKind, OutputGuard, replace_file};
-use thetahat_report::report;
+use thetahat_report::{
+    report,
+    results::{IntervalsAgainstPrediction, PredictedIntervals, PredictionError},
+};
 
 use crate::{
     arguments::{Arguments, Check, Command, Compare, Identify, Model, Output, Predict, Sensitivity, Simulate},
@@ -81,7 +84,13 @@ fn compare_results(request: &Compare) -> Result<Ending, Box<dyn Error>> {
     if let Some(path) = &request.out {
         OutputGuard::new(request.results.iter().cloned(), request.force.force).file(path, report::COMPARISON_PAGE)?;
     }
-    let read = |path: &PathBuf| Ok((path.clone(), Results::read(path)?));
+    if let Some(predicted) = request.results.first().filter(|path| path.extension().is_some_and(|e| e == "csv")) {
+        return compare_with_prediction(request, predicted);
+    }
+    let read = |path: &PathBuf| {
+        let path = results_file(path);
+        Results::read(&path).map(|results| (path, results))
+    };
     let results = request.results.iter().map(read).collect::<Result<Vec<_>, ResultsError>>()?;
     let compared = SideBySide::new(&results, &request.case, request.method)?;
     print(&report::comparison_text(&compared, width()))?;
@@ -90,6 +99,36 @@ fn compare_results(request: &Compare) -> Result<Ending, Box<dyn Error>> {
         print(&format!("\nwritten: {}\n", path.display()))?;
     }
     Ok(Ending::Good)
+}
+
+/// Compares the intervals of each of the results with those that a design predicted.
+fn compare_with_prediction(request: &Compare, predicted: &Path) -> Result<Ending, Box<dyn Error>> {
+    let intervals = PredictedIntervals::read(predicted)?;
+    let against = |path: &PathBuf| -> Result<IntervalsAgainstPrediction, Box<dyn Error>> {
+        let path = results_file(path);
+        let results = Results::read(&path)?;
+        let compared = intervals
+            .against(&results, &request.case, request.method)
+            .map_err(|source| PredictionError::NoEstimate { path: path.clone(), source })?;
+        if compared.parameters.is_empty() {
+            return Err(PredictionError::NothingInCommon { predicted: predicted.to_owned(), results: path }.into());
+        }
+        Ok(compared)
+    };
+    let compared = request.results.iter().skip(1).map(against).collect::<Result<Vec<_>, _>>()?;
+    for compared in &compared {
+        print(&report::predicted_intervals_text(compared, width()))?;
+    }
+    if let Some(path) = &request.out {
+        report::write_predicted_intervals(&compared, path)?;
+        print(&format!("\nwritten: {}\n", path.display()))?;
+    }
+    Ok(Ending::Good)
+}
+
+/// The `results.json` of a folder, or the file itself.
+fn results_file(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join("results.json") } else { path.to_owned() }
 }
 
 fn identify_experiment(identify: &Identify) -> Result<Ending, Box<dyn Error>> {

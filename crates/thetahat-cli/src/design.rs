@@ -24,7 +24,8 @@ pub fn run(request: &arguments::Design) -> Result<Ending, Box<dyn Error>> {
     let design = Design::read(&request.design)?;
     if let Some(directory) = &request.out {
         let guard = OutputGuard::new(design.input_files(), request.force.force);
-        guard.folder(directory, report::DESIGN_FILES.into_iter().chain(report::MOVE_FILES))?;
+        guard
+            .folder(directory, report::DESIGN_FILES.into_iter().chain(report::MOVE_FILES).chain(report::POINT_FILES))?;
     }
     let display = Display::new();
     let results = design.run_watched(threads(request.threads), &|progress| display.show(progress))?;

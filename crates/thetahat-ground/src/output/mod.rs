@@ -13,7 +13,8 @@ mod replace;
 pub use error::{OutputError, WriteError};
 pub use guard::{OutputGuard, remove_own};
 pub use kind::{
-    DESIGNED_EXPERIMENT, EXPORT, FileKind, MOVES_JSON, PROPOSAL, RECORD, TRAJECTORY, TRAJECTORY_JSON, TRAJECTORY_YAML,
+    DESIGNED_EXPERIMENT, EXPORT, FileKind, MOVES_JSON, POINTS, PROPOSAL, RECORD, TRAJECTORY, TRAJECTORY_JSON,
+    TRAJECTORY_YAML,
 };
 pub use lock::FileLock;
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]

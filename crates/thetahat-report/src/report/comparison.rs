@@ -30,7 +30,7 @@ pub fn comparison_text(compared: &SideBySide, width: TextWidth) -> String {
 /// The kind of the page.
 pub const COMPARISON_PAGE: FileKind = FileKind::Page(GENERATOR);
 
-const GENERATOR: &str = "thetahat comparison";
+pub(super) const GENERATOR: &str = "thetahat comparison";
 
 /// Writes the comparison as a page, whole or not at all.
 ///

@@ -23,6 +23,8 @@ pub struct DesignResults {
     pub ddq: Series,
     /// Torques with the a-priori parameters, N m or N.
     pub torque: Series,
+    /// The motion at the rate of `trajectory.yaml` and `trajectory.json`, and at that of `points.csv` and `points.script`.
+    pub points: [TrajectoryPoints; 2],
     /// The moves, if the motion consists of moves: the last ends where the first starts.
     pub moves: Option<Moves>,
     /// How many of the last moves are sweeps of single joints.
@@ -49,6 +51,10 @@ pub struct DesignResults {
     pub starts: Vec<SearchResult>,
     /// The limits, each joint's in the order of [`Limited::ALL`].
     pub limits: Vec<LimitUse>,
+    /// The limits in the simulated loop.
+    pub executed: ExecutedMotion,
+    /// By how many percent velocities of moves are assumed to overshoot, where no controller is described.
+    pub assumed_overshoot: Option<f64>,
     /// Rated velocities and accelerations of the coordinates, SI, which the percentages of programs are of; none takes the limits.
     pub rated: [Vec<Option<f64>>; 2],
     /// Joints whose a-priori friction is zero: executed torques are larger than the designed ones.
@@ -62,12 +68,68 @@ pub struct DesignResults {
     pub predicted: Vec<PredictedParameter>,
     /// Name of the method of the prediction.
     pub method: String,
+    /// Whether earlier recordings are known: times of recording then add to them.
+    pub knows_earlier: bool,
+    /// The torques that are wanted.
+    pub wanted_torques: Option<PredictedTorques>,
+    /// The rows from which the method estimates.
+    pub rows: PredictedRows,
     /// Whether the prediction uses the simulated closed loop.
     pub is_closed_loop: bool,
     /// Requested half width of an interval, percent.
     pub half_width_percent: f64,
     /// The experiment file for the recording, without the robot's path.
     pub experiment: ExperimentText,
+}
+
+/// The error of the torques along the motion that a design is for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PredictedTorques {
+    /// The file of the motion.
+    pub file: String,
+    /// Standard deviation of the predicted torques by what is known before, percent of the torques; none where nothing is.
+    pub before_percent: Option<f64>,
+    /// The same after the recording of the designed motion.
+    pub percent: f64,
+    /// The wanted one.
+    pub wanted_percent: f64,
+    /// Recording time for it; none if a million repetitions do not bring it.
+    pub seconds: Option<f64>,
+}
+
+/// A motion under a controller.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ExecutedMotion {
+    /// Whether the controller is that of the design, or a usual one.
+    pub is_stated: bool,
+    /// The limits of velocity, torque and power, each joint's in that order; empty if the loop could not be simulated.
+    pub uses: Vec<LimitUse>,
+    /// Why it could not be.
+    pub failure: Option<String>,
+}
+
+/// Points for a robot's controller.
+#[derive(Debug, Clone)]
+pub struct TrajectoryPoints {
+    /// Points per second.
+    pub rate_hz: f64,
+    /// Positions, rad or m.
+    pub q: Series,
+    /// Velocities.
+    pub dq: Series,
+    /// Accelerations.
+    pub ddq: Series,
+}
+
+/// The filtered rows that are expected of a recording.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PredictedRows {
+    /// Their number, of all coordinates.
+    pub count: usize,
+    /// Root mean square of the residual of each coordinate's rows, N m or N.
+    pub residual_rms: Vec<f64>,
+    /// The same of the torques themselves.
+    pub torque_rms: Vec<f64>,
 }
 
 /// The frequencies of a motion compared with those that its recording can contain.
@@ -81,6 +143,8 @@ pub struct MotionSpectrum {
     pub end_hz: Vec<f64>,
     /// The bandwidths of filters and loops.
     pub bounds: Vec<SpectrumBound>,
+    /// The cut-off of the position filter, Hz.
+    pub position_cutoff_hz: f64,
 }
 
 /// A filter or a loop, and its bandwidth.
@@ -161,6 +225,8 @@ pub struct PredictedParameter {
     pub expression: String,
     /// Number of the first joint whose torque depends on it, from one.
     pub joint: usize,
+    /// The coordinate of that joint, from zero; none of a joint that is locked or follows others.
+    pub coordinate: Option<usize>,
     /// Its a-priori value.
     pub a_priori: f64,
     /// Predicted standard deviation.

@@ -45,6 +45,7 @@ mod model;
 mod parameters;
 mod payload;
 mod physical;
+mod predicted_intervals;
 mod prediction;
 mod recordings;
 mod remedy;
@@ -62,8 +63,9 @@ pub use cause::{CauseKind, ModelCause, SmallestShown};
 pub use content::{NOMINAL, Results, SCHEMA};
 pub use curves::{Bin, Frame, HeldBackPlots, Plots, RecordStart, ResidualCurves, RunPlots, Skeleton};
 pub use design::{
-    CollisionResults, DesignResults, ExperimentText, LimitUse, MotionSpectrum, PairDistance, PredictedGain,
-    PredictedParameter, PredictedPayload, SearchResult, SpectrumBound,
+    CollisionResults, DesignResults, ExecutedMotion, ExperimentText, LimitUse, MotionSpectrum, PairDistance,
+    PredictedGain, PredictedParameter, PredictedPayload, PredictedRows, PredictedTorques, SearchResult, SpectrumBound,
+    TrajectoryPoints,
 };
 pub use diagnosis::{
     Advice, ApproximatedParameter, ApproximationResult, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis,
@@ -87,6 +89,7 @@ pub use parameters::NotSeparated;
 pub use parameters::{EliminationResult, ParameterResult};
 pub use payload::{DriveGainResult, PayloadParameter, PayloadResult};
 pub use physical::{ConsistencyTest, ConsistentEstimate, ConsistentParameter, PhysicalResult};
+pub use predicted_intervals::{ComparedInterval, IntervalsAgainstPrediction, PredictedIntervals, PredictionError};
 pub use prediction::Prediction;
 pub use recordings::{
     Bandwidth, NearRestResult, PeriodicResult, RecordingFindings, RecordingResult, ReferenceResult, UnmaskedComparison,

@@ -41,6 +41,10 @@ pub struct ModelResult {
     pub held_back: Option<ModelError>,
     /// Error on parts of the recordings that neither fit nor choice has seen; `null` where none can be left out.
     pub unseen: Option<ModelError>,
+    /// Root mean square of the errors of its torques that last for a quarter of a period of the position filter's cut-off, while a joint moves,
+    /// percent of all torques: no noise. `null` where only factors of the rows are known.
+    #[serde(default)]
+    pub lasting_percent: Option<f64>,
     /// What the residual shows that the model or the recordings are wrong in, the strongest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub causes: Vec<ModelCause>,

@@ -1,6 +1,7 @@
 use std::path::PathBuf;
 
 use crate::{experiment::ExperimentError, preparation::PreparationError, reduction::ReductionError};
+use thetahat_data::recording::RecordingError;
 use thetahat_estimation::{identification::EstimationError, simulation::SimulationError};
 use thetahat_model::{base_parameters::BaseParametersError, robot::RobotError};
 use thetahat_report::results::ResultsError;
@@ -191,13 +192,30 @@ pub enum DesignError {
     },
     /// A reduction is of another robot.
     #[error(
-        "{}: prior: the base parameters of the reductions are not those of the robot; reduce recordings of the same robot with the \
-         same [parameters] exclude",
+        "{}: prior: the base parameters of the reductions or results are not those of the robot; take recordings of the same robot with \
+         the same [parameters] exclude",
         path.display()
     )]
     OtherRobot {
         /// The design file.
         path: PathBuf,
+    },
+    /// Results named as `prior` have no model.
+    #[error(
+        "prior: {} has no model with a covariance; identify again with this version, or give a reduction of the recordings",
+        file.display()
+    )]
+    NoModel {
+        /// The results.
+        file: PathBuf,
+    },
+    /// The motion whose torques are wanted cannot be read.
+    #[error("{}: [wanted] motion: {source}", path.display())]
+    WantedMotion {
+        /// The design file.
+        path: PathBuf,
+        /// Why.
+        source: RecordingError,
     },
     /// Results have no estimates, or of no parameter that is predicted.
     #[error(

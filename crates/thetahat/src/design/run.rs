@@ -17,18 +17,20 @@ use crate::design::{
     },
     text::description::Design,
 };
-use crate::{preparation::Setup, scheduling::closed_loop};
-use thetahat_estimation::{
-    control::ControllerDescription,
-    simulation::{OutputGrid, Reference, SampledReference, SimulatorBias},
-    trajectory::Moves,
-};
+use thetahat_estimation::trajectory::Moves;
 use thetahat_ground::series::Series;
 use thetahat_model::{
     base_parameters::BaseParameters,
     dynamics::{Model, Sign},
 };
-use thetahat_report::results::{CollisionResults, DesignResults, LimitUse, PredictedGain};
+use thetahat_report::results::{
+    CollisionResults, DesignResults, ExecutedMotion, LimitUse, PredictedGain, PredictedTorques, TrajectoryPoints,
+};
+
+/// Points per second for controllers whose rate the design does not state.
+const POINTS_HZ: f64 = 125.0;
+/// Part of a sample by which a motion may miss a whole number of them: rounding.
+const WHOLE: f64 = 1e-6;
 
 /// The predicted intervals, and what they are compared with.
 pub(in crate::design) struct Forecast {
@@ -38,13 +40,22 @@ pub(in crate::design) struct Forecast {
     /// Of the drive gains, with a second recording without the payload.
     pub(in crate::design) gains: Vec<PredictedGain>,
     pub(in crate::design) compared: Option<Compared>,
+    /// Recording time for the wanted half width of each parameter, s.
+    pub(in crate::design) seconds: Vec<Option<f64>>,
+    /// Whether `seconds` adds to earlier recordings.
+    pub(in crate::design) knows_earlier: bool,
+    pub(in crate::design) torques: Option<PredictedTorques>,
 }
 
 /// A motion within its limits.
 pub(in crate::design) struct FeasibleMotion {
     pub(in crate::design) motion: Derivatives,
+    /// For files of trajectories, and for `points.csv`.
+    pub(in crate::design) points: [TrajectoryPoints; 2],
     pub(in crate::design) torque: Series,
     pub(in crate::design) uses: Vec<LimitUse>,
+    /// In the simulated loop.
+    pub(in crate::design) executed: ExecutedMotion,
     pub(in crate::design) starts: Vec<Start>,
     /// The moves, if the motion consists of moves.
     pub(in crate::design) moves: Option<Moves>,
@@ -99,7 +110,12 @@ impl Design {
             None => Vec::new(),
         };
         let remedies = self.remedies((&problem, &base, &limits), &chosen.motion, &expected, (threads, &watch));
-        self.results(&model, &base, chosen, Forecast { expected, remedies, gains, compared })
+        let wanted = self.wanted_torques(&model, &base)?;
+        let torques = wanted.and_then(|wanted| self.predicted_torques(&wanted, &problem, &chosen.motion));
+        let seconds = self.recording_times(&base, &problem, &chosen.motion, &expected);
+        let knows_earlier = problem.information.prior().is_some();
+        let forecast = Forecast { expected, remedies, gains, compared, seconds, knows_earlier, torques };
+        self.results(&model, &base, chosen, forecast)
     }
 
     /// The best motion of the searches that holds its limits.
@@ -119,17 +135,20 @@ impl Design {
         let mut first_error = None;
         for k in 0..starts.len() {
             match self.repaired(model, problem, limits, &starts[k]) {
-                Ok((x, Verified { uses, collision })) => {
+                Ok((x, Verified { uses, collision, executed })) => {
                     // The chosen one comes first.
                     starts[..=k].rotate_right(1);
                     let motion = self.sampled(&problem.watched, &x);
+                    let points = self.points(&problem.watched, &x);
                     let torque = problem.loads.torques(&motion, Sign::Exact).swap_remove(0);
                     let moves = problem.watched.moves(&x);
                     let repeated = self.repeated(problem)?;
                     return Ok(FeasibleMotion {
                         motion,
+                        points,
                         torque,
                         uses,
+                        executed,
                         starts,
                         moves,
                         collision,
@@ -147,46 +166,46 @@ impl Design {
 
     /// The motion at the rate of the trajectory.
     pub(in crate::design) fn sampled(&self, motions: &Motions, x: &[f64]) -> Derivatives {
-        let rate = self.file.sample_rate_hz;
-        let count = (self.file.duration_s * rate).round() as usize;
-        let grid: Vec<f64> = (0..=count).map(|k| (k as f64 / rate).min(self.file.duration_s)).collect();
+        self.sampled_at(motions, x, self.file.sample_rate_hz)
+    }
+
+    /// The motion at a rate, its end included.
+    fn sampled_at(&self, motions: &Motions, x: &[f64], rate_hz: f64) -> Derivatives {
+        let count = (self.file.duration_s * rate_hz - WHOLE).ceil() as usize;
+        let grid: Vec<f64> = (0..=count).map(|k| (k as f64 / rate_hz).min(self.file.duration_s)).collect();
         motions.on(x, &grid)
+    }
+
+    /// The motion for a robot's controller: as a trajectory, and as points.
+    fn points(&self, motions: &Motions, x: &[f64]) -> [TrajectoryPoints; 2] {
+        let stated = self.file.points_hz;
+        [stated.unwrap_or(self.file.sample_rate_hz), stated.unwrap_or(POINTS_HZ)].map(|rate_hz| {
+            let [q, dq, ddq, _] = self.sampled_at(motions, x, rate_hz);
+            TrajectoryPoints { rate_hz, q, dq, ddq }
+        })
     }
 
     /// The true motion and torques of the expected robot and of the robot without its payload: in the closed loop if a controller is
     /// described.
     fn true_motions(&self, model: &Model, chosen: &FeasibleMotion) -> Result<[TrueMotion; 2], DesignError> {
-        let of = |theta: &[f64]| match &self.settings.controller {
-            Some(controller) => self.followed(model, controller, &chosen.motion[0], theta),
-            None => {
-                let loads = Loads::new(model, &[theta.to_vec()], Vec::new());
-                let tau = loads.torques(&chosen.motion, Sign::Exact).swap_remove(0);
-                Ok(TrueMotion { q: chosen.motion[0].clone(), tau })
+        let of = |theta: &[f64]| -> Result<TrueMotion, DesignError> {
+            match &self.settings.controller {
+                Some(controller) => {
+                    let motion = self
+                        .followed(model, controller, &chosen.motion[0], theta, self.file.sample_rate_hz)
+                        .map_err(|source| DesignError::Loop { path: self.path.clone(), source })?;
+                    Ok(TrueMotion { q: motion.q, tau: motion.tau })
+                }
+                None => {
+                    let loads = Loads::new(model, &[theta.to_vec()], Vec::new());
+                    let tau = loads.torques(&chosen.motion, Sign::Exact).swap_remove(0);
+                    Ok(TrueMotion { q: chosen.motion[0].clone(), tau })
+                }
             }
         };
         let loaded = of(&self.expected_robot(model)?)?;
         let unloaded = if self.payload().is_some() { of(&self.robot.a_priori_parameters())? } else { loaded.clone() };
         Ok([loaded, unloaded])
-    }
-
-    /// The motion of a robot in the closed loop, whose controller is made for the robot without payload.
-    fn followed(
-        &self,
-        model: &Model,
-        controller: &ControllerDescription,
-        q: &Series,
-        theta: &[f64],
-    ) -> Result<TrueMotion, DesignError> {
-        let rate = self.file.sample_rate_hz;
-        let reference = Reference::Sampled(SampledReference::new(q.clone(), rate));
-        let setup = Setup { robot: &self.robot, settings: &self.settings };
-        let closed_loop = closed_loop(setup, model, controller, &reference, None, SimulatorBias::NONE);
-        let inertia = closed_loop.motor_inertia(&self.robot.a_priori_parameters(), self.file.duration_s);
-        let grid = OutputGrid { start_s: 0.0, sample_rate_hz: rate, samples: q.len() };
-        let motion = closed_loop
-            .simulate(theta, &inertia, &grid)
-            .map_err(|source| DesignError::Loop { path: self.path.clone(), source })?;
-        Ok(TrueMotion { q: motion.q, tau: motion.tau })
     }
 
     fn expected_recording<'a>(&'a self, motion: &'a TrueMotion, position_noise: &'a [f64]) -> ExpectedRecording<'a> {

@@ -18,6 +18,7 @@ mod filter_choice;
 mod followed_twin;
 mod gaps;
 mod hidden_bias;
+mod lasting;
 mod locked_joints;
 #[cfg(feature = "parquet")]
 mod long_parquet;

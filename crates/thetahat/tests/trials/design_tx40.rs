@@ -96,7 +96,8 @@ fn thirteen_moves() -> Result<(), Failed> {
     let text = format!(
         "title = 'moves'\nrobot = 'tx40.toml'\nduration_s = {DURATION_S}\nsample_rate_hz = {RATE_HZ}\n[motion]\nkind = 'moves'\n\
          moves = 13\nsmoothing_s = {smoothing_s}\nstarts = 6\n[limits]\nmargin = 0.002\nposition = {position:?}\nvelocity = {:?}\n\
-         acceleration = {:?}\ntorque = {:?}\n[noise]\ntorque = {NOISE:?}\n[signal]\ncutoff_hz = 50\ndecimation = 20\n",
+         acceleration = {:?}\ntorque = {:?}\n[noise]\ntorque = {NOISE:?}\n[signal]\ncutoff_hz = 50\ndecimation = 20\n\
+         [uncertainty]\novershoot_percent = 0\n",
         degrees(largest(&dq)),
         degrees(largest(&ddq)),
         largest(&torques(&robot, [&q, &dq, &ddq])),

@@ -40,6 +40,8 @@ const POOR: f64 = 0.15;
 const STEPS: usize = 6;
 /// Part by which a step must reduce the squared residual.
 const PROGRESS: f64 = 1e-3;
+/// Ratio of squared residuals up to which two directions explain the torques alike.
+const ALIKE: f64 = 1.02;
 /// Largest step, part of the length of gravity.
 const LARGEST_STEP: f64 = 0.7;
 
@@ -103,7 +105,10 @@ fn better(recording: &ThinnedRecording<'_>, stated: Vec3) -> Option<(f64, Vec3)>
     let all = others.filter_map(|gravity| GravityFit::new(recording, gravity));
     let squares = stated_fit.squares();
     let best = all.fold(stated_fit, |best, other| if other.squares() < best.squares() { other } else { best });
+    // A direction of which the torques show no sign keeps the stated one: of a SCARA arm the offset of its slide takes gravity along it.
+    let nearest = refined(recording, GravityFit::new(recording, stated)?);
     let best = refined(recording, best);
+    let best = if nearest.squares() <= ALIKE * best.squares() { nearest } else { best };
     if best.fit.relative_error() > POOR {
         return Some((1.0, stated));
     }

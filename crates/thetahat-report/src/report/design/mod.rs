@@ -3,6 +3,7 @@
 
 pub(in crate::report) mod figures;
 pub(in crate::report) mod move_programs;
+mod points;
 pub(in crate::report) mod tables;
 
 use std::path::{Component, Path, PathBuf};
@@ -14,9 +15,11 @@ use super::{
     series::trajectory_csv,
     wrap::{TextWidth, wrap},
 };
-use crate::results::DesignResults;
+use crate::results::{DesignResults, TrajectoryPoints};
 use figures::{distance, motions, robot, searches, spectrum};
 use move_programs::{MOVE_FILES, move_programs};
+pub use points::POINT_FILES;
+use points::point_programs;
 use tables::{conclusions, distances, facts, frequencies, limits, nearness, predicted};
 use thetahat_ground::{
     output::{DESIGNED_EXPERIMENT, FileKind, TRAJECTORY_JSON, TRAJECTORY_YAML},
@@ -44,7 +47,8 @@ pub fn design_text(results: &DesignResults, width: TextWidth) -> String {
     format!("{}\n{}\n{lines}", wrap(&visible(&results.title), "", width), tables.join("\n"))
 }
 
-/// Writes [`DESIGN_FILES`], and [`MOVE_FILES`] if the motion consists of moves, into a folder, all of them or none. Returns their paths.
+/// Writes [`DESIGN_FILES`], and [`MOVE_FILES`] if the motion consists of moves or else [`POINT_FILES`], into a folder, all of them or none.
+/// Returns their paths.
 ///
 /// # Errors
 /// [`ReportError`] for what cannot be rendered or written.
@@ -59,8 +63,12 @@ pub fn write_design(results: &DesignResults, directory: &Path) -> Result<Vec<Pat
         experiment(results, directory, &results.experiment.twin).into_bytes(),
         page(results)?.into_bytes(),
     ];
-    let programs = results.moves.iter().flat_map(|moves| move_programs(results, moves)).map(String::into_bytes);
-    let files = DESIGN_FILES.into_iter().zip(contents).chain(MOVE_FILES.into_iter().zip(programs));
+    let programs: Vec<_> = match &results.moves {
+        Some(moves) => MOVE_FILES.into_iter().zip(move_programs(results, moves)).collect(),
+        None => POINT_FILES.into_iter().zip(point_programs(results)).collect(),
+    };
+    let programs = programs.into_iter().map(|(file, program)| (file, program.into_bytes()));
+    let files = DESIGN_FILES.into_iter().zip(contents).chain(programs);
     files::write_files(directory, files.map(|((name, _), content)| (name, content)).collect())
 }
 
@@ -119,11 +127,28 @@ fn predicted_csv(results: &DesignResults) -> Result<Vec<u8>, csv::Error> {
         "seconds",
         "unit",
         "expression",
+        "method",
+        "rows",
+        "joint",
+        "residual_rms",
+        "torque_rms",
     ])?;
     for p in &results.predicted {
         let numbers = [p.a_priori, p.standard_deviation, p.half_width_95].map(|v| v.to_string());
         let seconds = p.seconds.map(|s| s.to_string()).unwrap_or_default();
-        let texts = [seconds, cell(&p.unit).into_owned(), cell(&p.expression).into_owned()];
+        let rows = &results.rows;
+        let joint = p.coordinate.map_or_else(String::new, |c| cell(&results.joints[c].name).into_owned());
+        let rms = |of: &[f64]| p.coordinate.and_then(|c| of.get(c)).map(f64::to_string).unwrap_or_default();
+        let texts = [
+            seconds,
+            cell(&p.unit).into_owned(),
+            cell(&p.expression).into_owned(),
+            results.method.clone(),
+            rows.count.to_string(),
+            joint,
+            rms(&rows.residual_rms),
+            rms(&rows.torque_rms),
+        ];
         writer.write_record([cell(&p.name).into_owned()].iter().chain(&numbers).chain(&texts))?;
     }
     writer.into_inner().map_err(|e| e.into_error().into())
@@ -133,10 +158,11 @@ fn predicted_csv(results: &DesignResults) -> Result<Vec<u8>, csv::Error> {
 fn joint_trajectory(results: &DesignResults) -> String {
     let names: Vec<&str> = results.joints.iter().map(|j| j.name.as_str()).collect();
     let mut text = format!("{TRAJECTORY_YAML}joint_names: {}\npoints:\n", serde_json::Value::from(names));
-    for k in 0..results.q.len() {
-        let nanoseconds = (1e9 * k as f64 / results.sample_rate_hz).round() as u64;
+    let [points, _] = &results.points;
+    for k in 0..points.q.len() {
+        let nanoseconds = nanoseconds(points, k);
         let (sec, nanosec) = (nanoseconds / 1_000_000_000, nanoseconds % 1_000_000_000);
-        let [q, dq, ddq] = [&results.q, &results.dq, &results.ddq].map(|s| serde_json::Value::from(s.sample(k)));
+        let [q, dq, ddq] = [&points.q, &points.dq, &points.ddq].map(|s| serde_json::Value::from(s.sample(k)));
         text += &format!(
             "- {{positions: {q}, velocities: {dq}, accelerations: {ddq}, time_from_start: {{sec: {sec}, nanosec: {nanosec}}}}}\n"
         );
@@ -144,19 +170,24 @@ fn joint_trajectory(results: &DesignResults) -> String {
     text
 }
 
+fn nanoseconds(points: &TrajectoryPoints, k: usize) -> u64 {
+    (1e9 * k as f64 / points.rate_hz).round() as u64
+}
+
 /// The same as JSON.
 fn joint_trajectory_json(results: &DesignResults) -> String {
     let names: Vec<&str> = results.joints.iter().map(|j| j.name.as_str()).collect();
+    let [points, _] = &results.points;
     let point = |k: usize| {
-        let nanoseconds = (1e9 * k as f64 / results.sample_rate_hz).round() as u64;
+        let nanoseconds = nanoseconds(points, k);
         serde_json::json!({
-            "positions": results.q.sample(k),
-            "velocities": results.dq.sample(k),
-            "accelerations": results.ddq.sample(k),
+            "positions": points.q.sample(k),
+            "velocities": points.dq.sample(k),
+            "accelerations": points.ddq.sample(k),
             "time_from_start": { "sec": nanoseconds / 1_000_000_000, "nanosec": nanoseconds % 1_000_000_000 },
         })
     };
-    let points: Vec<String> = (0..results.q.len()).map(|k| point(k).to_string()).collect();
+    let points: Vec<String> = (0..points.q.len()).map(|k| point(k).to_string()).collect();
     format!(
         "{TRAJECTORY_JSON}\"joint_names\":{},\"points\":[\n{}\n]}}\n",
         serde_json::Value::from(names),

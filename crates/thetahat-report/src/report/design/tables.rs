@@ -7,7 +7,7 @@ use crate::{
     },
     results::{
         CollisionResults, DesignResults, Grade, LimitUse, Limited, PairDistance, PredictedGain, PredictedParameter,
-        PredictedPayload, SpectrumBound,
+        PredictedPayload, PredictedTorques, SpectrumBound,
     },
 };
 use thetahat_ground::visible::visible;
@@ -66,6 +66,14 @@ pub(in crate::report) fn conclusions(results: &DesignResults) -> Vec<String> {
             worst.at_s
         )
     }));
+    lines.extend(executed(results));
+    lines.extend(results.assumed_overshoot.map(|percent| {
+        format!(
+            "Velocities of the moves leave room for an overshoot of {} %, since [controller] is missing (overshoot_percent in [uncertainty]).",
+            significant(percent, 3)
+        )
+    }));
+    lines.extend(narrow_filter(results));
     lines.extend(results.uncertainty.map(|(draws, percent)| {
         format!(
             "Torque and power limits hold for the a-priori parameters and for {draws} random robots with parameters {} % off; the criterion \
@@ -78,6 +86,8 @@ pub(in crate::report) fn conclusions(results: &DesignResults) -> Vec<String> {
     if results.collision.is_none() {
         lines.push(NOT_CHECKED.to_owned());
     }
+    lines.extend(earlier(results));
+    lines.extend(results.wanted_torques.iter().map(wanted_torques));
     lines.extend(results.compared.iter().map(|[title, method]| narrower(results, title, method)));
     let best = results.starts.first().map(|s| s.found);
     lines.extend(results.repeated.zip(best).map(|(repeated, best)| repetition(repeated, best)));
@@ -86,6 +96,67 @@ pub(in crate::report) fn conclusions(results: &DesignResults) -> Vec<String> {
 
 fn stopped([ended, of]: &[usize; 2]) -> String {
     format!("The search was stopped after {ended} of {of} descents: a longer one may find a better motion.")
+}
+
+/// The limits in the simulated loop.
+fn executed(results: &DesignResults) -> Option<String> {
+    let executed = &results.executed;
+    let controller =
+        if executed.is_stated { "the controller" } else { "a usual PD loop of 10 Hz, since [controller] is missing" };
+    if let Some(failure) = &executed.failure {
+        return Some(format!("Not checked: the limits under {controller}: {}.", visible(failure)));
+    }
+    let worst = executed.uses.iter().max_by(|a, b| a.part.total_cmp(&b.part))?;
+    let used = format!(
+        "{} of {}, used to {:.1} % at {:.3} s",
+        worst.quantity.name(),
+        visible(&worst.joint),
+        100.0 * worst.part,
+        worst.at_s
+    );
+    Some(if worst.part <= 1.0 {
+        format!(
+            "Simulated once under {controller}, the robot stays within velocity, torque and power too; the closest is the {used}."
+        )
+    } else {
+        format!(
+            "Simulated once under {controller}, the robot exceeds a limit: the {used}. Remedy: a larger [limits] margin{}.",
+            if executed.is_stated { "" } else { ", or the controller's values" }
+        )
+    })
+}
+
+/// How long the motion must last, with what earlier recordings know.
+fn earlier(results: &DesignResults) -> Option<String> {
+    let times: Vec<(&str, f64)> =
+        results.predicted.iter().filter_map(|p| Some((p.name.as_str(), p.seconds?))).collect();
+    let soon = times.iter().filter(|(_, seconds)| *seconds <= LONGEST_S).max_by(|a, b| a.1.total_cmp(&b.1));
+    let (last, seconds) = soon.filter(|_| results.knows_earlier)?;
+    let never: Vec<&str> = times.iter().filter(|(_, s)| *s > LONGEST_S).map(|(name, _)| *name).collect();
+    let but = if never.is_empty() { String::new() } else { format!("; an hour does not for {}", never.join(", ")) };
+    Some(format!(
+        "With what the earlier recordings know, {} s of this motion bring {} of {} intervals to {} % (the last is {last}){but}.",
+        significant(*seconds, 2),
+        times.len() - never.len(),
+        times.len(),
+        significant(results.half_width_percent, 3)
+    ))
+}
+
+/// The error of the wanted torques.
+fn wanted_torques(torques: &PredictedTorques) -> String {
+    let [percent, wanted] = [torques.percent, torques.wanted_percent].map(|percent| significant(percent, 2));
+    let before = torques.before_percent.map(|before| format!(", {} % before", significant(before, 2)));
+    let time = match torques.seconds {
+        Some(0.0) => format!("what is known suffices for {wanted} %"),
+        Some(seconds) if seconds <= LONGEST_S => format!("{wanted} % takes {} s of it", significant(seconds, 2)),
+        Some(_) | None => format!("an hour of it does not bring {wanted} %"),
+    };
+    format!(
+        "The torques of {} will be known to {percent} % (standard deviation by noise alone{}) after this motion; {time}.",
+        visible(&torques.file),
+        before.unwrap_or_default()
+    )
 }
 
 /// What a design without shapes does not check, and how to.
@@ -209,6 +280,24 @@ fn repetition(repeated: f64, best: f64) -> String {
     }
 }
 
+/// Times the frequencies of a motion that a filter must pass: with less, friction looks like another law at the corners of moves.
+const HEADROOM: f64 = 1.5;
+
+/// The cut-off that the motion needs, where it has less.
+fn narrow_filter(results: &DesignResults) -> Option<String> {
+    let end = results.spectrum.end_hz.iter().copied().fold(0.0, f64::max);
+    let cutoff = results.spectrum.position_cutoff_hz;
+    (cutoff < HEADROOM * end).then(|| {
+        format!(
+            "The position filter of {} Hz is narrow for this motion, whose accelerations have 99 % of their variance below {} Hz: friction \
+             will look like another law. Remedy: [signal] cutoff_hz = {}, or a smoother motion.",
+            significant(cutoff, 3),
+            significant(end, 3),
+            significant(HEADROOM * end, 2)
+        )
+    })
+}
+
 /// Whether the motion is within the bandwidths of filters and controller.
 pub(in crate::report) fn frequencies(results: &DesignResults) -> Vec<String> {
     let spectrum = &results.spectrum;
@@ -315,17 +404,22 @@ pub(in crate::report) fn predicted(results: &DesignResults) -> Table {
 }
 
 pub(in crate::report) fn limits(results: &DesignResults) -> Table {
+    let in_loop = |l: &LimitUse| {
+        let same = |e: &&LimitUse| (e.coordinate, e.quantity) == (l.coordinate, l.quantity);
+        results.executed.uses.iter().find(same).map_or_else(|| NONE.to_owned(), |e| format!("{:.1}", 100.0 * e.part))
+    };
     let row = |l: &LimitUse| {
         let [low, high] = l.limit.map(|v| significant(v, 4));
         let [least, most] = l.reached.map(|v| significant(v, 4));
         let (used, at) = (format!("{:.1}", 100.0 * l.part), format!("{:.3}", l.at_s));
-        vec![visible(&l.joint).into_owned(), l.quantity.name().to_owned(), low, high, least, most, used, at]
+        vec![visible(&l.joint).into_owned(), l.quantity.name().to_owned(), low, high, least, most, used, at, in_loop(l)]
     };
     Table {
         title: "Limits at 1 kHz, SI".to_owned(),
         lead: 2,
-        head: strings(&["joint", "quantity", "lower", "upper", "min", "max", "used, %", "at, s"]),
+        head: strings(&["joint", "quantity", "lower", "upper", "min", "max", "used, %", "at, s", "loop, %"]),
         rows: results.limits.iter().map(row).collect(),
+        notes: vec!["loop: used in the simulated loop.".to_owned()],
         ..Table::default()
     }
 }

@@ -2,6 +2,7 @@
 
 pub(in crate::design) mod clearances;
 pub(in crate::design) mod constraints;
+pub(in crate::design) mod execution;
 pub(in crate::design) mod joint_limits;
 pub(in crate::design) mod loads;
 pub(in crate::design) mod surroundings;

@@ -12,22 +12,27 @@ use crate::design::{
     search::{
         optimiser::Problem,
         searches::{Start, sign_scales},
+        starts::fitted,
     },
     text::description::Design,
 };
 use thetahat_estimation::signal::Motion;
 use thetahat_ground::series::Series;
 use thetahat_model::dynamics::{Model, Sign};
-use thetahat_report::results::{CollisionResults, JointResult, LimitUse};
+use thetahat_report::results::{CollisionResults, ExecutedMotion, JointResult, LimitUse};
 
 /// Most descents that repair a motion that violates a limit at 1 kHz, and the gain of the last step of each, nats.
 const REPAIRS: usize = 3;
 const REPAIR_GAIN: f64 = 0.05;
+/// Largest part by which an assumed controller may exceed limits for the motion to be repaired.
+const MOST_OF_ASSUMED: f64 = 0.1;
 
 /// The use of limits and the distances of a motion at 1 kHz.
 pub(in crate::design) struct Verified {
     pub(in crate::design) uses: Vec<LimitUse>,
     pub(in crate::design) collision: Option<CollisionResults>,
+    /// In the simulated loop.
+    pub(in crate::design) executed: ExecutedMotion,
 }
 
 impl Verified {
@@ -35,9 +40,16 @@ impl Verified {
         self.uses.iter().max_by(|a, b| a.part.total_cmp(&b.part))
     }
 
+    /// The part by which the simulated loop exceeds a limit. An assumed controller that exceeds it by much is not that of the robot: this is
+    /// reported, and costs no motion.
+    fn excess_of_loop(&self) -> f64 {
+        let over = self.executed.uses.iter().map(|used| used.part - 1.0).fold(-1.0, f64::max);
+        if self.executed.is_stated || over <= MOST_OF_ASSUMED { over } else { -1.0 }
+    }
+
     /// The part by which a limit is exceeded, and the distance that is missing, m; negative if nothing is violated.
     fn violation(&self) -> (f64, f64) {
-        let over = self.worst().map_or(-1.0, |worst| worst.part - 1.0);
+        let over = self.worst().map_or(-1.0, |worst| worst.part - 1.0).max(self.excess_of_loop());
         let nearest = self.collision.as_ref().and_then(|c| Some(c.margin - c.pairs.first()?.distance));
         (over, nearest.unwrap_or(-1.0))
     }
@@ -61,8 +73,8 @@ impl Design {
             if over <= 0.0 && missing <= 0.0 {
                 break;
             }
-            tight.tighten(1.2 * over.max(0.0), 1.2 * missing.max(0.0));
-            let Some(found) = tight.optimise(x.clone(), Sign::Smooth { scale }, REPAIR_GAIN) else { break };
+            tight.tighten(1.2 * over.max(0.0), 1.2 * missing.max(0.0), verified.excess_of_loop() > 0.0);
+            let Some(found) = tight.optimise(fitted(&tight, &x), Sign::Smooth { scale }, REPAIR_GAIN) else { break };
             x = found.x;
             verified = self.verify(model, &problem.watched, limits, &x)?;
         }
@@ -156,6 +168,7 @@ impl Design {
         let loads = Loads::new(model, &self.possible_robots(model)?, limits.to_vec());
         let torques = loads.torques(&motion, Sign::Exact);
         let (uses, collision) = (uses(limits, &motion, &torques), self.collision(model, &motion[0])?);
-        Ok(Verified { uses, collision })
+        let executed = self.executed(model, limits, &self.sampled(motions, x)[0])?;
+        Ok(Verified { uses, collision, executed })
     }
 }

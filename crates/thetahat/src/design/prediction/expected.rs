@@ -9,11 +9,13 @@ use crate::{
 };
 use thetahat_estimation::{
     identification::{Fit, Method, Needs, Uncertainty, uncertainty},
+    regression::Regression,
     signal::Spectrum,
     simulation::{NoisySignals, RecordingNoise, SignalNoise, random_numbers},
 };
-use thetahat_ground::{pool::in_parallel, series::Series};
+use thetahat_ground::{linear_algebra::norm, pool::in_parallel, series::Series};
 use thetahat_model::{base_parameters::BaseParameter, robot::Robot};
+use thetahat_report::results::PredictedRows;
 
 /// The true motion of a robot and its torques, and how they will be recorded.
 #[derive(Debug, Clone)]
@@ -45,6 +47,8 @@ pub struct Expected {
     pub standard_deviation: Vec<f64>,
     /// Mean half width of the 95 % intervals.
     pub half_width_95: Vec<f64>,
+    /// The rows of one of the recordings: those of the others differ by their noise alone.
+    pub rows: PredictedRows,
 }
 
 /// The estimate from one noisy recording.
@@ -56,6 +60,8 @@ pub struct NoisyEstimate {
     pub fit: Fit,
     /// Its uncertainty.
     pub uncertainty: Uncertainty,
+    /// The rows that it is estimated from.
+    pub rows: PredictedRows,
 }
 
 /// Noisy recordings that the prediction averages: the uncertainty from each scatters by a few percent.
@@ -87,6 +93,7 @@ impl ExpectedRecording<'_> {
         Ok(Expected {
             standard_deviation: variance.into_iter().map(f64::sqrt).collect(),
             half_width_95: mean(&half),
+            rows: estimated.first().map_or_else(PredictedRows::default, |e| e.rows.clone()),
             parameters,
         })
     }
@@ -108,7 +115,18 @@ impl ExpectedRecording<'_> {
         let fit = thetahat_estimation::identification::idim_ls(&regression, self.settings.estimation.variance)
             .map_err(no_estimate)?;
         let uncertainty = uncertainty(method, &regression, None, &fit).map_err(no_estimate)?;
-        Ok(NoisyEstimate { parameters: problem.problem.estimated.parameters().to_vec(), fit, uncertainty })
+        let rows = predicted_rows(&regression, &fit.prediction);
+        Ok(NoisyEstimate { parameters: problem.problem.estimated.parameters().to_vec(), fit, uncertainty, rows })
+    }
+}
+
+fn predicted_rows(regression: &Regression, prediction: &[f64]) -> PredictedRows {
+    let rms = |rows: &Vec<f64>| norm(rows) / (rows.len().max(1) as f64).sqrt();
+    let of_joints = |rows: &[f64]| regression.layout.by_joint(rows).iter().map(rms).collect();
+    PredictedRows {
+        count: regression.y.len(),
+        residual_rms: of_joints(&regression.residual(prediction)),
+        torque_rms: of_joints(&regression.y),
     }
 }
 

@@ -13,12 +13,39 @@ use crate::{
     reduction::Reduction,
 };
 use thetahat_ground::linear_algebra::Matrix;
-use thetahat_model::base_parameters::BaseParameters;
+use thetahat_model::{base_parameters::BaseParameters, robot::Robot};
 use thetahat_report::results::{JointResidual, ParameterResult, Results, RunResult};
 
 /// The folder of a file, in which an experiment's recordings are.
 fn folder_of(file: &Path) -> &Path {
     file.parent().unwrap_or(Path::new(""))
+}
+
+/// Whether a file is a `results.json`, by its name.
+fn is_results(file: &Path) -> bool {
+    file.extension().is_some_and(|extension| extension == "json")
+}
+
+fn no_model(file: &Path) -> DesignError {
+    DesignError::NoModel { file: file.to_owned() }
+}
+
+/// The robot with the model of the last of the files that are results.
+pub(in crate::design) fn with_model(robot: Robot, files: &[PathBuf]) -> Result<Robot, DesignError> {
+    let Some(file) = files.iter().rfind(|file| is_results(file)) else { return Ok(robot) };
+    let model = Results::read(file)?.model.ok_or_else(|| no_model(file))?;
+    let mut robot = robot;
+    robot.a_priori.extend(model.standard.into_iter().map(|parameter| (parameter.name, parameter.value)));
+    Ok(robot)
+}
+
+/// The inverse of a covariance, whose parameters have units of their own.
+pub(in crate::design) fn inverse(matrix: &Matrix) -> Option<Matrix> {
+    let size = matrix.rows();
+    let scale: Vec<f64> = (0..size).map(|i| 1.0 / matrix.at(i, i).sqrt()).collect();
+    let scaled = Matrix::from_fn(size, size, |i, j| matrix.at(i, j) * scale[i] * scale[j]);
+    let inverse = scaled.cholesky()?.solve_matrix(&Matrix::identity(size));
+    Some(Matrix::from_fn(size, size, |i, j| inverse.at(i, j) * scale[i] * scale[j]))
 }
 
 /// Estimates to compare with.
@@ -31,19 +58,44 @@ pub(in crate::design) struct Compared {
 impl Design {
     /// The prior information on the base parameters, from earlier recordings.
     pub(in crate::design) fn prior(&self, base: &BaseParameters, noise: &[f64]) -> Result<Option<Matrix>, DesignError> {
-        if self.file.prior.is_empty() {
-            return Ok(None);
+        let mut known: Vec<Matrix> = Vec::new();
+        let reductions = self.prior_reductions();
+        if !reductions.is_empty() {
+            let reduction = Reduction::read_all(&reductions)?;
+            if !reduction.identity.is_of(&self.robot, base) {
+                return Err(DesignError::OtherRobot { path: self.path.clone() });
+            }
+            known.push(reduction.information(noise)?);
         }
-        let reduction = Reduction::read_all(&self.prior_files())?;
-        if !reduction.identity.is_of(&self.robot, base) {
-            return Err(DesignError::OtherRobot { path: self.path.clone() });
+        for file in self.prior_files().iter().filter(|file| is_results(file)) {
+            known.push(self.information_of_model(file, base)?);
         }
-        Ok(Some(reduction.information(noise)?))
+        Ok(known.into_iter().reduce(|sum, information| sum.plus(&information, 1.0)))
+    }
+
+    fn prior_reductions(&self) -> Vec<PathBuf> {
+        self.prior_files().into_iter().filter(|file| !is_results(file)).collect()
+    }
+
+    /// The information on the base parameters that the model of results has: the inverse of their covariance.
+    fn information_of_model(&self, file: &Path, base: &BaseParameters) -> Result<Matrix, DesignError> {
+        let other = || DesignError::OtherRobot { path: self.path.clone() };
+        let model = Results::read(file)?.model.ok_or_else(|| no_model(file))?;
+        let place = |name: &str| model.parameters.iter().position(|p| p.name == name);
+        let places: Vec<usize> =
+            base.parameters().iter().map(|p| place(&p.name)).collect::<Option<_>>().ok_or_else(other)?;
+        let size = model.parameters.len();
+        if model.covariance.len() != size * (size + 1) / 2 {
+            return Err(no_model(file));
+        }
+        let at = |i: usize, j: usize| model.covariance[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
+        let covariance = Matrix::from_fn(places.len(), places.len(), |i, j| at(places[i], places[j]));
+        inverse(&covariance).ok_or_else(|| no_model(file))
     }
 
     /// The criterion if the last earlier recording were repeated instead, for as long as the motion takes.
     pub(in crate::design) fn repeated(&self, problem: &Problem) -> Result<Option<f64>, DesignError> {
-        let files = self.prior_files();
+        let files = self.prior_reductions();
         let (Some(last), Some(prior)) = (files.last(), problem.information.prior()) else { return Ok(None) };
         let reduction = Reduction::read_all(std::slice::from_ref(last))?;
         let seconds: f64 = reduction.recordings.iter().map(|r| r.window_s[1] - r.window_s[0]).sum();

@@ -13,7 +13,7 @@ use crate::design::{
     text::description::Design,
 };
 use thetahat_ground::linear_algebra::Matrix;
-use thetahat_model::{base_parameters::BaseParameters, dynamics::Sign};
+use thetahat_model::base_parameters::BaseParameters;
 
 /// Searches for the motion that identifies what stays unknown.
 const STARTS: usize = 2;
@@ -65,9 +65,8 @@ impl Design {
 
 /// The variance of each base parameter from the recording of a motion.
 fn variances(problem: &Problem, motion: &Derivatives) -> Option<Vec<f64>> {
-    // The sampled motion has the sweeps in it.
-    let information =
-        problem.information.clone().with_sweeps(None).of([&motion[0], &motion[1], &motion[2]], 1.0, Sign::Exact);
+    let own = problem.information.of_motion_alone(motion);
+    let information = problem.information.prior().map_or_else(|| own.clone(), |prior| prior.plus(&own, 1.0));
     let size = information.rows();
     let covariance = information.inverse_times_matrix(&Matrix::identity(size))?;
     Some((0..size).map(|i| covariance.at(i, i)).collect())

@@ -49,6 +49,14 @@ impl Design {
         })
     }
 
+    /// The robot that a loop is simulated with: with its payload, and with assumed drives in the joints that have none.
+    pub(in crate::design) fn robot_of_loop(&self, model: &Model) -> Result<Vec<f64>, DesignError> {
+        let a_priori = self.robot.a_priori_parameters();
+        let robot = self.with_assumed_drives(model, &a_priori)?.unwrap_or(a_priori);
+        let of_payload = self.payload_parameters(model)?;
+        Ok(of_payload.map_or_else(|| robot.clone(), |payload| sum(&robot, &payload)))
+    }
+
     /// The robot with usual friction and motor inertias in the joints that have none, where there are such joints and their torques are
     /// limited: a description without them would let torques exceed their limits.
     fn with_assumed_drives(&self, model: &Model, a_priori: &[f64]) -> Result<Option<Vec<f64>>, DesignError> {

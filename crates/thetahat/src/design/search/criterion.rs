@@ -17,6 +17,11 @@ pub enum Criterion {
         /// As for A.
         weights: Vec<f64>,
     },
+    /// `log tr(W C)`: the mean square of the torque's error on a motion, with `W` the mean of `Phi^T Phi` on it.
+    Torque {
+        /// W.
+        of_motion: Matrix,
+    },
     /// `log det C` of some parameters: the volume of their confidence region.
     SelectedParameters {
         /// Their columns.
@@ -35,6 +40,8 @@ pub enum CriterionName {
     A,
     /// The worst interval.
     Worst,
+    /// The torque's error on the motion of `[wanted] motion`.
+    Torque,
     /// The intervals of selected parameters.
     #[serde(rename = "chosen")]
     SelectedParameters,
@@ -48,6 +55,7 @@ impl CriterionName {
             Self::D => "d",
             Self::A => "a",
             Self::Worst => "worst",
+            Self::Torque => "torque",
             Self::SelectedParameters => "chosen",
         }
     }
@@ -72,7 +80,7 @@ impl Criterion {
         let factored = Factored::of(information)?;
         match self {
             Self::D => factored.volume(),
-            Self::A { .. } | Self::Worst { .. } | Self::SelectedParameters { .. } => {
+            Self::A { .. } | Self::Worst { .. } | Self::Torque { .. } | Self::SelectedParameters { .. } => {
                 self.of_covariance(&factored.covariance()).map(|found| found.value)
             }
         }
@@ -88,7 +96,9 @@ impl Criterion {
                 let slope = Matrix::from_fn(c.rows(), c.columns(), |i, j| -c.at(i, j));
                 Some(CriterionValue { value: factored.volume()?, slope })
             }
-            Self::A { .. } | Self::Worst { .. } | Self::SelectedParameters { .. } => self.of_covariance(&c),
+            Self::A { .. } | Self::Worst { .. } | Self::Torque { .. } | Self::SelectedParameters { .. } => {
+                self.of_covariance(&c)
+            }
         }
     }
 
@@ -98,6 +108,11 @@ impl Criterion {
             Self::D => return None,
             Self::A { weights } => diagonal(c, weights, 1),
             Self::Worst { weights } => diagonal(c, weights, POWER),
+            Self::Torque { of_motion } => {
+                let square = product_trace(of_motion, c);
+                let slope = |i: usize, j: usize| of_motion.at(i, j) / square;
+                (square.ln(), Matrix::from_fn(c.rows(), c.rows(), slope))
+            }
             Self::SelectedParameters { columns } => {
                 let part = Matrix::from_fn(columns.len(), columns.len(), |i, j| c.at(columns[i], columns[j]));
                 let lower = part.cholesky()?.lower();
@@ -113,6 +128,11 @@ impl Criterion {
         let slope = Matrix::from_fn(c.rows(), c.rows(), |i, j| -product.at(i, j));
         value.is_finite().then_some(CriterionValue { value, slope })
     }
+}
+
+/// `tr(A B)` of symmetric matrices.
+pub(in crate::design) fn product_trace(a: &Matrix, b: &Matrix) -> f64 {
+    (0..a.rows()).flat_map(|i| (0..a.rows()).map(move |j| (i, j))).map(|(i, j)| a.at(i, j) * b.at(i, j)).sum()
 }
 
 /// `log (sum_i (w_i C_ii)^p) / p` and its derivative by C.
@@ -177,6 +197,7 @@ mod tests {
             Criterion::D,
             Criterion::A { weights: weights.clone() },
             Criterion::Worst { weights },
+            Criterion::Torque { of_motion: information(0.8) },
             Criterion::SelectedParameters { columns: vec![1, 3] },
         ];
         let (m, h) = (information(0.0), 1e-6);

@@ -7,7 +7,7 @@ use thetahat_model::{
     regressor::Regressor,
 };
 
-use crate::design::search::criterion::Criterion;
+use crate::design::{motions::sums::Derivatives, search::criterion::Criterion};
 
 /// The information of motions on parameters: `M = M_0 + s sum_k Phi_k^T diag(1 / sd^2) Phi_k`, with that of sweeps.
 #[derive(Debug, Clone)]
@@ -68,6 +68,12 @@ impl Information {
     #[must_use]
     pub fn prior(&self) -> Option<&Matrix> {
         self.prior.as_ref()
+    }
+
+    /// The information of a whole motion at its own rate, sweeps included, without what is known before.
+    pub(in crate::design) fn of_motion_alone(&self, [q, dq, ddq, _]: &Derivatives) -> Matrix {
+        let alone = Self { prior: None, sweeps: None, ..self.clone() };
+        alone.of([q, dq, ddq], 1.0, Sign::Exact)
     }
 
     /// The rows of `Phi` over a motion, each over its standard deviation and times the root of its share: one column for each row.

@@ -110,10 +110,11 @@ impl Problem {
         Some(self.value(x, sign)? + price(self.watch(x, sign).soft_use))
     }
 
-    /// Makes the limits that may be violated on the way tighter by a part, and distances larger by some, m.
-    pub(in crate::design) fn tighten(&mut self, part: f64, distance: f64) {
+    /// Makes the limits that may be violated on the way tighter by a part, those of velocities as well where `of_all`, and distances larger by
+    /// some, m.
+    pub(in crate::design) fn tighten(&mut self, part: f64, distance: f64, of_all: bool) {
         self.loads.tighten(part);
-        if !self.watched.is_linear() {
+        if of_all || !self.watched.is_linear() {
             self.constraints.tighten(part);
         }
         if let Some(clearances) = &mut self.clearances {

@@ -45,7 +45,7 @@ impl Design {
         limits: &[JointLimits],
     ) -> Result<Problem, DesignError> {
         let file = &self.file;
-        let kept: Vec<JointLimits> = limits.iter().map(|l| l.less(self.margin())).collect();
+        let kept = self.kept(limits);
         let [summed, watched] = match file.motion.kind {
             MotionKind::Fourier => {
                 self.sums(&kept, Basis::fourier(self.period_s(), file.motion.harmonics(file.duration_s)))
@@ -129,7 +129,7 @@ impl Design {
             start: self.start_posture(),
             moves: motion.moves(),
             duration_s: self.file.duration_s,
-            smoothing_s: motion.smoothing_s(),
+            smoothing_s: motion.smoothing_s(self.file.duration_s),
             rest_s: motion.rest_s(),
             sweeps,
         };
@@ -148,6 +148,10 @@ impl Design {
             CriterionName::D => Criterion::D,
             CriterionName::A => Criterion::A { weights: self.units(model, base)? },
             CriterionName::Worst => Criterion::Worst { weights: self.units(model, base)? },
+            CriterionName::Torque => {
+                let missing = || self.value("[wanted] motion", "the motion whose torques are wanted", "missing");
+                Criterion::Torque { of_motion: self.wanted_torques(model, base)?.ok_or_else(missing)?.squares }
+            }
             CriterionName::SelectedParameters => {
                 Criterion::SelectedParameters { columns: selected.columns().into_iter().filter_map(place).collect() }
             }

@@ -35,6 +35,16 @@ pub(in crate::design) fn kicked(problem: &Problem, x: &[f64], rng: &mut ChaCha8R
     })
 }
 
+/// Sums made smaller, joint by joint, until they are within limits that became tighter; moves as they are, whose limits a descent may violate.
+pub(in crate::design) fn fitted(problem: &Problem, x: &[f64]) -> Vec<f64> {
+    let Motions::Sums { family, .. } = &problem.watched else { return x.to_vec() };
+    let room = problem.constraints.room(&problem.watched.at(x), family.centre());
+    let of_joint = |(joint, room): (usize, &f64)| {
+        x[family.own(joint)].iter().map(|value| room.min(1.0) * value).collect::<Vec<_>>()
+    };
+    room.iter().enumerate().flat_map(of_joint).collect()
+}
+
 /// Sums within their limits: each joint's motion about its start times the factor that leaves a part of the limits unused, but
 /// no more than `most`. About a start near a limit the motion is shifted to the other side, if that makes the factor larger.
 fn within(problem: &Problem, family: &Sums, x: &[f64], most: f64) -> Vec<f64> {

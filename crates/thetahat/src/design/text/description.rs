@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use crate::design::{
     error::DesignError,
-    prediction::noise::TorqueNoise,
+    prediction::{noise::TorqueNoise, prior_data::with_model},
     text::{
         collision_options::CollisionOptions,
         options::{DesignObjective, LimitOptions, MotionOptions, NoiseOptions, RatedOptions, UncertaintyOptions},
@@ -36,6 +36,9 @@ pub struct DesignFile {
     /// Samples per second of the trajectory and of the recording.
     #[serde(default = "default_rate")]
     pub sample_rate_hz: f64,
+    /// Points per second of what a robot's controller follows (`points.csv`, `points.script`, `trajectory.yaml`, `trajectory.json`): by
+    /// default 125 in the first two, and `sample_rate_hz` in the others.
+    pub points_hz: Option<f64>,
     /// The criterion and the parameters that it is for.
     #[serde(default)]
     pub wanted: DesignObjective,
@@ -71,7 +74,7 @@ pub struct DesignFile {
     /// The simulator's options.
     #[serde(default)]
     pub simulation: SimulationOptions,
-    /// Reductions of earlier recordings, used as prior information.
+    /// Reductions of earlier recordings, used as prior information; or a `results.json`, whose model is the a-priori robot as well.
     #[serde(default)]
     pub prior: Vec<PathBuf>,
     /// Results of an identification, or an experiment file with recordings, whose intervals are listed next to the predicted ones.
@@ -126,7 +129,7 @@ impl Design {
         let robot_path = path.parent().unwrap_or(Path::new("")).join(&file.robot);
         let locks = Locks { locked: file.locked.clone(), until: Vec::new() };
         let source = RobotSource::read(&robot_path)?;
-        let robot = source.robot_with_locks(&locks, path)?;
+        let robot = with_model(source.robot_with_locks(&locks, path)?, &files_of(path, &file.prior))?;
         let refuse = |source| DesignError::Preparation { path: path.to_owned(), source };
         let settings = settings(&file).for_robot(&robot).map_err(refuse)?;
         let noise = TorqueNoise::default();
@@ -149,8 +152,7 @@ impl Design {
     }
 
     pub(in crate::design) fn prior_files(&self) -> Vec<PathBuf> {
-        let folder = self.path.parent().unwrap_or(Path::new(""));
-        self.file.prior.iter().map(|prior| folder.join(prior)).collect()
+        files_of(&self.path, &self.file.prior)
     }
 
     pub(in crate::design) fn compared_file(&self) -> Option<PathBuf> {
@@ -183,6 +185,12 @@ impl Design {
     ) -> Result<(), DesignError> {
         PreparationError::require(holds, key, expected, found).map_err(|source| self.refuse(source))
     }
+}
+
+/// The paths of files that are named relative to the design's folder.
+fn files_of(design: &Path, named: &[PathBuf]) -> Vec<PathBuf> {
+    let folder = design.parent().unwrap_or(Path::new(""));
+    named.iter().map(|file| folder.join(file)).collect()
 }
 
 /// How the recording will be identified: by least squares weighted by the noise of each joint unless the file asks for other methods.

@@ -12,7 +12,7 @@ const RECORDING: &str = "recording.csv";
 const SETTINGS: [&str; 7] = ["signal", "parameters", "estimation", "controller", "simulation", "locked", "payload"];
 
 /// The controller of a rehearsal whose design describes none: the default one of simulations.
-const USUAL_CONTROLLER: &str = "\n# The design has no controller: this one stands in for the robot's.\n[controller]\nlaw = \"pd\"\n\
+pub(in crate::design) const USUAL_CONTROLLER: &str = "\n# The design has no controller: this one stands in for the robot's.\n[controller]\nlaw = \"pd\"\n\
     bandwidth_hz = [10]\ndamping = 1.0\nvelocity_feed_forward = 1.0\nacceleration_feed_forward = 1.0\n";
 
 pub(in crate::design) fn experiment_text(design: &Design, model: &Model) -> Result<ExperimentText, DesignError> {

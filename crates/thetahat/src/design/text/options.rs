@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use serde::Deserialize;
 
 use crate::design::search::criterion::CriterionName;
+use thetahat_data::recording::ChannelSource;
 use thetahat_ground::one_or_each::OneOrEach;
 
 /// What a design minimises.
@@ -17,11 +18,22 @@ pub struct DesignObjective {
     pub parameters: Vec<String>,
     /// Half width of the wanted intervals, percent of the parameter: the table gives the recording time that each needs.
     pub half_width_percent: f64,
+    /// Positions of the motion whose torques are to be predicted, as `[recording] position` of an experiment: at `sample_rate_hz`, and
+    /// filtered as the recording will be.
+    pub motion: Option<ChannelSource>,
+    /// Wanted error of its torques, percent of them.
+    pub torque_percent: f64,
 }
 
 impl Default for DesignObjective {
     fn default() -> Self {
-        Self { criterion: CriterionName::default(), parameters: Vec::new(), half_width_percent: 10.0 }
+        Self {
+            criterion: CriterionName::default(),
+            parameters: Vec::new(),
+            half_width_percent: 10.0,
+            motion: None,
+            torque_percent: 1.0,
+        }
     }
 }
 
@@ -40,7 +52,8 @@ pub struct MotionOptions {
     pub splines: Option<usize>,
     /// Number of the moves, 12 by default.
     pub moves: Option<usize>,
-    /// Time over which the acceleration of a move rises and falls at least, s: 0.002 by default. A limit of the jerk makes it longer.
+    /// Time over which the acceleration of a move rises and falls at least, s: 0.05 by default, or a twentieth of the time that a move has
+    /// where that is shorter. A limit of the jerk makes it longer.
     pub smoothing_s: Option<f64>,
     /// Rest after each move, s: none by default.
     pub rest_s: Option<f64>,
@@ -120,6 +133,9 @@ impl Default for MotionOptions {
     }
 }
 
+/// As long as accelerations of industrial robots rise.
+const SMOOTHING_S: f64 = 0.05;
+const PART_OF_MOVE: f64 = 0.05;
 const SECONDS_PER_HARMONIC: f64 = 4.0;
 const SECONDS_PER_SPLINE: f64 = 2.0;
 const FEWEST_HARMONICS: usize = 5;
@@ -152,8 +168,9 @@ impl MotionOptions {
         self.moves.unwrap_or(12)
     }
 
-    pub(in crate::design) fn smoothing_s(&self) -> f64 {
-        self.smoothing_s.unwrap_or(0.002)
+    pub(in crate::design) fn smoothing_s(&self, duration_s: f64) -> f64 {
+        let part_of_move = PART_OF_MOVE * duration_s / self.moves().max(1) as f64;
+        self.smoothing_s.unwrap_or(SMOOTHING_S.min(part_of_move))
     }
 
     pub(in crate::design) fn rest_s(&self) -> f64 {
@@ -222,11 +239,13 @@ pub struct UncertaintyOptions {
     pub friction_percent: f64,
     /// Motor inertia of a joint whose a-priori motor inertia is zero, percent of the joint's inertia in the middle posture.
     pub motor_inertia_percent: f64,
+    /// By how much the velocity of moves overshoots under a controller that is not described, percent.
+    pub overshoot_percent: f64,
 }
 
 impl Default for UncertaintyOptions {
     fn default() -> Self {
-        Self { draws: 0, percent: 0.0, friction_percent: 30.0, motor_inertia_percent: 50.0 }
+        Self { draws: 0, percent: 0.0, friction_percent: 30.0, motor_inertia_percent: 50.0, overshoot_percent: 12.0 }
     }
 }
 

@@ -38,13 +38,24 @@ impl Design {
         forecast: Forecast,
     ) -> Result<DesignResults, DesignError> {
         let predicted = self.predicted(model, base, &forecast);
-        let FeasibleMotion { motion, torque, uses, starts, moves, collision, repeated, stopped_after } = chosen;
+        let FeasibleMotion {
+            motion,
+            points,
+            torque,
+            uses,
+            executed,
+            starts,
+            moves,
+            collision,
+            repeated,
+            stopped_after,
+        } = chosen;
         if let Some(file) = self.compared_file().filter(|_| predicted.iter().all(|p| p.compared.is_none())) {
             return Err(DesignError::NothingToCompare { path: self.path.clone(), file });
         }
         let [q, dq, ddq, _] = motion;
         let (skeleton, spectrum) = (self.skeleton(model, &q, collision.as_ref()), self.spectrum(&ddq));
-        let UncertaintyOptions { draws, percent, friction_percent, motor_inertia_percent } = self.file.uncertainty;
+        let UncertaintyOptions { draws, percent, friction_percent, motor_inertia_percent, .. } = self.file.uncertainty;
         Ok(DesignResults {
             title: self.file.title.clone(),
             robot: self.robot.name.clone(),
@@ -54,6 +65,9 @@ impl Design {
             dq,
             ddq,
             torque,
+            points,
+            executed,
+            assumed_overshoot: self.assumed_overshoot(),
             sweeps: moves.as_ref().map_or(0, |moves| moves.moves().len() - self.file.motion.moves()),
             moves,
             skeleton,
@@ -76,6 +90,9 @@ impl Design {
             without_motor_inertia: self.joint_names(self.joints_without_motor_inertia()),
             predicted,
             method: predicted_method(&self.settings).name().to_owned(),
+            rows: forecast.expected.rows,
+            knows_earlier: forecast.knows_earlier,
+            wanted_torques: forecast.torques,
             is_closed_loop: self.settings.controller.is_some(),
             half_width_percent: self.file.wanted.half_width_percent,
             experiment: experiment_text(self, model)?,
@@ -90,22 +107,23 @@ impl Design {
     fn predicted(&self, model: &Model, base: &BaseParameters, forecast: &Forecast) -> Vec<PredictedParameter> {
         let Forecast { expected, remedies, compared, .. } = forecast;
         let values = self.a_priori_of(base, expected);
-        let wanted = self.file.wanted.half_width_percent;
+        let coordinates = self.robot.coordinate_joints();
         let predicted = expected.parameters.iter().enumerate().map(|(i, parameter)| {
             let a_priori = values[i];
             let half = expected.half_width_95[i];
-            let times = (100.0 * half / (wanted * a_priori.abs())).powi(2);
+            let joint = model.parameter_table().get(parameter.kept).number;
             PredictedParameter {
                 name: parameter.name.clone(),
                 unit: parameter.unit.to_string(),
                 expression: parameter.expression.clone(),
-                joint: model.parameter_table().get(parameter.kept).number,
+                joint,
+                coordinate: coordinates.iter().position(|&of_coordinate| of_coordinate + 1 == joint),
                 a_priori,
                 standard_deviation: expected.standard_deviation[i],
                 half_width_95: half,
                 compared: compared.iter().flat_map(|c| &c.parameters).find(|p| p.name == parameter.name).cloned(),
                 narrower_by_own_motion: remedies[i],
-                seconds: (a_priori != 0.0).then_some(self.file.duration_s * times),
+                seconds: forecast.seconds[i],
             }
         });
         predicted.collect()

@@ -42,6 +42,7 @@ impl Design {
             end_hz: spectrum.density.iter().map(|density| end_hz(density, spectrum.step_hz)).collect(),
             frequency_hz,
             bounds,
+            position_cutoff_hz: self.file.signal.cutoff_hz,
         }
     }
 

@@ -99,6 +99,13 @@ impl Design {
         let positive = "a finite number above zero";
         self.require(duration > 0.0 && duration.is_finite(), "duration_s", positive, duration)?;
         self.require(rate > 0.0 && rate.is_finite(), "sample_rate_hz", positive, rate)?;
+        let points = self.file.points_hz.unwrap_or(rate);
+        self.require(
+            points > 0.0 && points * duration <= MOST_SAMPLES,
+            "points_hz",
+            "above zero, and at most 1e6 points",
+            points,
+        )?;
         let (samples, verified) = (duration * rate, duration * rate.max(RATE_HZ));
         let expected = "at most 1e6 samples, at 1 kHz and above";
         self.require(verified <= MOST_SAMPLES, "duration_s times sample_rate_hz", expected, verified)?;
@@ -139,12 +146,15 @@ impl Design {
             expected,
             if is_chosen { "none".to_owned() } else { wanted.parameters.join(" ") },
         )?;
+        let torque = wanted.torque_percent;
+        self.require(torque > 0.0 && torque.is_finite(), "[wanted] torque_percent", "above zero", torque)?;
         let percent = wanted.half_width_percent;
         self.require(percent > 0.0 && percent.is_finite(), "[wanted] half_width_percent", "above zero", percent)
     }
 
     fn validate_uncertainty(&self) -> Result<(), DesignError> {
-        let UncertaintyOptions { draws, percent, friction_percent, motor_inertia_percent } = self.file.uncertainty;
+        let UncertaintyOptions { draws, percent, friction_percent, motor_inertia_percent, overshoot_percent } =
+            self.file.uncertainty;
         self.require(draws <= MOST_DRAWS, "[uncertainty] draws", "at most 100", draws)?;
         let expected = "from 0 to below 100";
         self.require((0.0..100.0).contains(&percent), "[uncertainty] percent", expected, percent)?;
@@ -154,6 +164,8 @@ impl Design {
             expected,
             friction_percent,
         )?;
+        let is_overshoot = (0.0..100.0).contains(&overshoot_percent);
+        self.require(is_overshoot, "[uncertainty] overshoot_percent", expected, overshoot_percent)?;
         let is_inertia = motor_inertia_percent >= 0.0 && motor_inertia_percent.is_finite();
         self.require(is_inertia, "[uncertainty] motor_inertia_percent", "zero or above", motor_inertia_percent)?;
         let expected = "above zero with [uncertainty] percent, and only with it";

@@ -3,7 +3,10 @@
 use crate::design::{
     error::DesignError,
     limits::joint_limits::JointLimits,
-    text::{description::Design, options::LimitOptions},
+    text::{
+        description::Design,
+        options::{LimitOptions, MotionKind},
+    },
 };
 use thetahat_ground::one_or_each::OneOrEach;
 use thetahat_model::robot::Joint;
@@ -43,6 +46,22 @@ impl Design {
             limits.joint
         );
         self.require((kept.lower..=kept.upper).contains(&start), "[motion] start", &expected, found)
+    }
+
+    /// The limits that the search keeps: less the margin, and less the overshoot of moves under a controller that is not known.
+    pub(in crate::design) fn kept(&self, limits: &[JointLimits]) -> Vec<JointLimits> {
+        let overshoot = self.assumed_overshoot().unwrap_or_default();
+        let kept = |limits: &JointLimits| {
+            let less = limits.less(self.margin());
+            JointLimits { velocity: less.velocity / (1.0 + 0.01 * overshoot), ..less }
+        };
+        limits.iter().map(kept).collect()
+    }
+
+    /// By how many percent velocities of moves are assumed to overshoot, where no controller says by how much.
+    pub(in crate::design) fn assumed_overshoot(&self) -> Option<f64> {
+        let is_assumed = self.file.motion.kind == MotionKind::Moves && self.settings.controller.is_none();
+        is_assumed.then_some(self.file.uncertainty.overshoot_percent).filter(|percent| *percent > 0.0)
     }
 
     /// Part of every range that the search leaves unused.

@@ -81,7 +81,7 @@ impl Design {
 
     fn validate_moves(&self) -> Result<(), DesignError> {
         let motion = &self.file.motion;
-        let (moves, smoothing, rest) = (motion.moves(), motion.smoothing_s(), motion.rest_s());
+        let (moves, smoothing, rest) = (motion.moves(), motion.smoothing_s(self.file.duration_s), motion.rest_s());
         self.require((2..=MOST_MOVES).contains(&moves), "[motion] moves", "from 2 to 200", moves)?;
         let positive = "a finite number above zero";
         self.require(smoothing > 0.0 && smoothing.is_finite(), "[motion] smoothing_s", positive, smoothing)?;
@@ -109,7 +109,7 @@ impl Design {
         self.require(is_part, "[motion] sweep_slowest", "above zero and at most 1", slowest)?;
         let is_time = longest_s > 0.0 && longest_s.is_finite();
         self.require(is_time, "[motion] sweep_s", "a finite number above zero", longest_s)?;
-        let kept: Vec<JointLimits> = limits.iter().map(|l| l.less(self.margin())).collect();
+        let kept = self.kept(limits);
         let sweeps_s = self.move_family(&kept, self.sweeps(&Model::new(&self.robot), &kept)?).sweeps_s();
         let least = sweeps_s + self.least_moves_s();
         let expected = format!(
@@ -121,6 +121,6 @@ impl Design {
     /// The shortest time of all moves.
     fn least_moves_s(&self) -> f64 {
         let motion = &self.file.motion;
-        motion.moves() as f64 * (LEAST_MOVE * motion.smoothing_s() + motion.rest_s())
+        motion.moves() as f64 * (LEAST_MOVE * motion.smoothing_s(self.file.duration_s) + motion.rest_s())
     }
 }

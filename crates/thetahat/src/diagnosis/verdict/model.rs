@@ -26,6 +26,9 @@ const FAR_FROM_FIT: f64 = 2.0;
 const PREDICTS_PERCENT: f64 = 10.0;
 /// Part of the residual that its neighbour rows predict, percent of all torques, from which it is no noise.
 const STRUCTURE_PERCENT: f64 = 1.0;
+/// Errors that last for a part of the motion's period, percent of all torques, from which the model lacks something. Clean recordings have
+/// none: in a narrow band few rows look like noise, and the correlation of neighbours does not show it.
+const LASTING_PERCENT: f64 = 0.7;
 /// What a payload that is picked up explains, percent, from which the recording is not one robot's.
 const PAYLOAD_PERCENT: f64 = 2.0;
 /// Delay of the torques that is worth a correction: in sample periods, and in s. Torques that are held are half a period of their
@@ -180,20 +183,20 @@ fn remedy(results: &Results, found: &ModelCause) -> String {
     }
 }
 
-/// What neighbouring rows predict of the residual, percent of all torques, where no cause that was tested explains it.
+/// What neighbouring rows predict of the residual, or what of it lasts, percent of all torques, where no cause that was tested explains it.
 fn structure(results: &Results, model: &ModelResult) -> Option<VerdictReason> {
     let run = nominal_runs(results).find(|r| r.residual.is_some() && !r.is_of_positions())?;
-    let percent = structure_percent(results, run, model);
+    let of_rows = (structure_percent(results, run, model), STRUCTURE_PERCENT);
+    let of_samples = (model.lasting_percent.unwrap_or_default(), LASTING_PERCENT);
+    let (percent, limit) = [of_rows, of_samples].into_iter().find(|(percent, limit)| percent > limit)?;
     let seen = format!(
         "{} % of the torques are left in errors that last, and no cause that was tested explains them: the model predicts as \
          its error says, but true values may lie outside the intervals of single parameters",
         significant(percent, 2)
     );
     let said = ReasonText::new(seen, "look at the residual over velocity, position and load in the report");
-    let numbers = [("structure_percent", Some(percent)), ("limit", Some(STRUCTURE_PERCENT))];
-    let subject = ReasonSubject::default();
-    (percent > STRUCTURE_PERCENT)
-        .then(|| reason(ReasonCode::CorrelatedResidual, Verdict::Care, &numbers, subject, said))
+    let numbers = [("structure_percent", Some(percent)), ("limit", Some(limit))];
+    Some(reason(ReasonCode::CorrelatedResidual, Verdict::Care, &numbers, ReasonSubject::default(), said))
 }
 
 /// `100 sqrt(sum_j r_j e_j^2 / sum_j tau_j^2)` of the joints' residuals e, with the correlation r of neighbouring rows above that of

@@ -16,6 +16,7 @@ mod factors;
 mod folds;
 mod friction_terms;
 mod intervals;
+mod lasting;
 mod law;
 mod law_factors;
 mod of_rows;

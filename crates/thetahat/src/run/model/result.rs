@@ -5,6 +5,7 @@ use super::{
     choice::Choice,
     errors::{SquaredErrors, turning},
     intervals::{Intervals, widened},
+    lasting::lasting_percent,
     law_factors::LawFactors,
     of_rows::data_of_rows,
     rows::ModelRows,
@@ -50,7 +51,8 @@ impl ChosenLaw<'_, '_> {
         friction: FrictionEvidence,
     ) -> Result<ModelResult, PreparationError> {
         let held_back = self.error_on_held_back(choice)?;
-        Ok(ModelResult { held_back, ..self.fitted(choice, runs, friction) })
+        let lasting_percent = lasting_percent(self.variant, choice, self.transition);
+        Ok(ModelResult { held_back, lasting_percent, ..self.fitted(choice, runs, friction) })
     }
 
     fn error_on_held_back(&self, choice: &Choice) -> Result<Option<ModelError>, PreparationError> {
@@ -110,6 +112,7 @@ impl FittedLaw<'_> {
             candidates: choice.candidates.clone(),
             fit: SquaredErrors::of(factors, &theta).error(),
             held_back: None,
+            lasting_percent: None,
             unseen: choice.unseen.clone(),
             causes,
             smallest_shown,

@@ -1,6 +1,7 @@
 //! Designs: what is refused, limits that hold, and predicts that are kept.
 
 mod collision;
+mod execution;
 mod gravity;
 mod limits;
 mod motions;

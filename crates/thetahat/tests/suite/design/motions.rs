@@ -88,7 +88,7 @@ fn files_are_written_and_name_the_robot() {
     let (design, folder) = (parse(DESIGN).unwrap(), Folder::new());
     let results = design.run(2).unwrap();
     let files = thetahat_report::report::write_design(&results, folder.path()).unwrap();
-    assert_eq!(files.len(), thetahat_report::report::DESIGN_FILES.len());
+    assert_eq!(files.len(), thetahat_report::report::DESIGN_FILES.len() + thetahat_report::report::POINT_FILES.len());
     let trajectory = std::fs::read_to_string(folder.path().join("trajectory.csv")).unwrap();
     assert_eq!(trajectory.lines().count(), results.q.len() + 1);
     let yaml = std::fs::read_to_string(folder.path().join("trajectory.yaml")).unwrap();

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use thetahat::{
+    Experiment,
     design::{Design, DesignError},
     reduction::ReduceOptions,
 };
@@ -96,4 +97,89 @@ fn an_experiment_at_hand_is_compared_with() {
     assert!(page.contains("predicted interval") && page.contains("of two joints"), "the legend of both");
     let error = with("nowhere.toml").run(1).unwrap_err();
     assert!(matches!(&error, DesignError::Experiment(_)) && error.to_string().contains("nowhere.toml"), "{error}");
+}
+
+/// The model of an identification is the a-priori robot of the next design, and its covariance is known before: times add to it, and
+/// torques of the user's own motion are known better after than before.
+#[test]
+fn results_are_known_before_with_their_model() {
+    let folder = Folder::new();
+    let (design, alone, experiment) = rehearsal(&folder, &with_controller());
+    let results = experiment.run(Path::new(""), &mut |_| {}).unwrap();
+    folder.write("results.json", results.to_json().unwrap());
+    // The elbow alone.
+    let work = (0..2000).map(|k| format!("0.1,{}\n", 0.8 * (0.02 * f64::from(k)).sin()));
+    folder.write("work.csv", format!("q_1,q_2\n{}", work.collect::<String>()));
+    let wanted =
+        "[wanted]\nmotion = { file = 'work.csv', columns = ['q_1', 'q_2'], unit = 'rad' }\ntorque_percent = 0.05\n";
+    let next = with_controller().replace("[motion]", &format!("prior = ['results.json']\n{wanted}[motion]"));
+    let next = Design::parse(&next, &design.path).unwrap();
+    let model = results.model.as_ref().unwrap();
+    for parameter in &model.standard {
+        assert_eq!(next.robot.a_priori.get(&parameter.name), Some(&parameter.value));
+    }
+    let known = next.run(2).unwrap();
+    let shown = thetahat_report::report::design_text(&known, thetahat_report::report::TextWidth::DEFAULT);
+    let shown = shown.replace('\n', " ");
+    assert!(known.knows_earlier && shown.contains("With what the earlier recordings know"), "{shown}");
+    let torques = known.wanted_torques.as_ref().unwrap();
+    println!("{torques:?}");
+    assert!(torques.percent < torques.before_percent.unwrap());
+    // The same motion was recorded once: what it takes is less than without that recording, by at most its own duration.
+    let of = |name: &str| known.predicted.iter().find(|p| p.name == name).and_then(|p| p.seconds);
+    for p in alone.predicted.iter().filter(|p| p.seconds.is_some_and(|s| (8.0..1e5).contains(&s))) {
+        assert!(
+            of(&p.name).is_some_and(|seconds| seconds < p.seconds.unwrap()),
+            "{}: {:?} {:?}",
+            p.name,
+            of(&p.name),
+            p.seconds
+        );
+    }
+    // The criterion of these torques beats the default one in them.
+    let torque = |criterion: &str| {
+        let text = with_controller().replace("[motion]", &format!("{}criterion = '{criterion}'\n[motion]", wanted));
+        Design::parse(&text, &design.path).unwrap().run(2).unwrap().wanted_torques.unwrap().percent
+    };
+    let [by_volume, by_torque] = ["d", "torque"].map(torque);
+    println!("torques known to {by_volume:.4} % by D, to {by_torque:.4} % by their own criterion");
+    assert!(by_torque < by_volume);
+    let missing = with_controller().replace("[motion]", "[wanted]\ncriterion = 'torque'\n[motion]");
+    let error = Design::parse(&missing, &design.path).unwrap().run(1).unwrap_err();
+    assert!(error.to_string().contains("[wanted] motion"), "{error}");
+    let mut without = results;
+    without.model = None;
+    folder.write("results.json", without.to_json().unwrap());
+    let text = with_controller().replace("[motion]", "prior = ['results.json']\n[motion]");
+    assert!(matches!(Design::parse(&text, &design.path), Err(DesignError::NoModel { .. })));
+}
+
+/// The intervals of a recording stand next to the predicted ones, with what differs where they are wider.
+#[test]
+fn a_recording_is_compared_with_its_prediction() {
+    use thetahat_report::{
+        report::{TextWidth, predicted_intervals_text},
+        results::PredictedIntervals,
+    };
+    let folder = Folder::new();
+    let (_, _, experiment) = rehearsal(&folder, &with_controller());
+    let predicted = PredictedIntervals::read(&folder.path().join("out/predicted.csv")).unwrap();
+    let text = |experiment: &Experiment| {
+        let results = experiment.run(Path::new(""), &mut |_| {}).unwrap();
+        let compared = predicted.against(&results, "nominal", None).unwrap();
+        let logs = compared.parameters.iter().map(|interval| interval.times_wider().ln());
+        let mean = (logs.sum::<f64>() / compared.parameters.len() as f64).exp();
+        (mean, compared.parameters.len(), predicted_intervals_text(&compared, TextWidth::DEFAULT).replace('\n', " "))
+    };
+    let (mean, count, shown) = text(&experiment);
+    println!("{mean:.3} times as wide as predicted");
+    assert!((0.85..1.18).contains(&mean) && count == 13 && !shown.contains("residual of"), "{shown}");
+    let noisy = experiment.text.replace("torque_noise = [0.1, 0.1]", "torque_noise = [0.3, 0.3]");
+    assert!(noisy != experiment.text);
+    folder.write("out/noisy.toml", noisy);
+    let (mean, _, shown) = text(&Experiment::read(&folder.path().join("out/noisy.toml"), Path::new("")).unwrap());
+    assert!((2.4..3.6).contains(&mean) && shown.contains("times the predicted noise"), "{mean} {shown}");
+    folder.write("other.csv", "time_s,q\n0,1\n");
+    let error = PredictedIntervals::read(&folder.path().join("other.csv")).unwrap_err();
+    assert!(error.to_string().contains("is not the predicted.csv of a design"), "{error}");
 }
