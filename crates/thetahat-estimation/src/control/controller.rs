@@ -13,7 +13,7 @@ pub enum Law {
     Pd,
     /// A position loop around a velocity loop: `u = kv (kp e + f_v dr - v) + f_a J ddr`.
     Cascaded,
-    /// None: the recorded drive signals act, from the state of the first samples on. For CLOE, which is an open-loop output error then.
+    /// No loop: the recorded drive signals act, from the state of the first samples on. CLOE is an open-loop output error then.
     OpenLoop,
 }
 
