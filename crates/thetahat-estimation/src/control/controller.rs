@@ -13,6 +13,8 @@ pub enum Law {
     Pd,
     /// A position loop around a velocity loop: `u = kv (kp e + f_v dr - v) + f_a J ddr`.
     Cascaded,
+    /// No loop: the recorded drive signals act, from the state of the first samples on. CLOE is an open-loop output error then.
+    OpenLoop,
 }
 
 /// The velocity that the controller uses.
@@ -101,6 +103,12 @@ pub enum ControllerError {
     /// A continuous controller has no delay or sampled velocity.
     #[error("[controller] {key} needs a sampled controller: set sample_time_s")]
     NotSampled {
+        /// The key.
+        key: &'static str,
+    },
+    /// An open loop has no gains.
+    #[error("[controller] {key} is not used by law = \"open-loop\": leave it out")]
+    GainOfOpenLoop {
         /// The key.
         key: &'static str,
     },
@@ -204,6 +212,9 @@ impl ControllerDescription {
         if let Some(law) = self.own_law() {
             return self.validate_own(law);
         }
+        if self.is_open_loop() {
+            return self.validate_open_loop();
+        }
         let [by_bandwidth, kp, kv] =
             [&self.bandwidth_hz, &self.position_gain, &self.velocity_gain].map(|list| !list.is_empty());
         let given_once = if by_bandwidth { !kp && !kv } else { kp && kv };
@@ -213,7 +224,8 @@ impl ControllerDescription {
         self.validate_times()
     }
 
-    fn validate_own(&self, law: &dyn ControlLaw) -> Result<(), ControllerError> {
+    /// The first key of a gain that is given.
+    fn given_gain(&self) -> Option<&'static str> {
         let gains = [
             ("bandwidth_hz", self.bandwidth_hz.is_empty()),
             ("position_gain", self.position_gain.is_empty()),
@@ -221,7 +233,20 @@ impl ControllerDescription {
             ("velocity_feed_forward", self.velocity_feed_forward == 0.0),
             ("acceleration_feed_forward", self.acceleration_feed_forward == 0.0),
         ];
-        if let Some((key, _)) = gains.into_iter().find(|(_, is_unused)| !is_unused) {
+        gains.into_iter().find(|(_, is_unused)| !is_unused).map(|(key, _)| key)
+    }
+
+    fn validate_open_loop(&self) -> Result<(), ControllerError> {
+        let unused = [("saturation", self.saturation.is_empty()), ("delay_s", self.delay_s == 0.0)];
+        let other = unused.into_iter().find(|(_, is_unused)| !is_unused).map(|(key, _)| key);
+        match self.given_gain().or(other) {
+            Some(key) => Err(ControllerError::GainOfOpenLoop { key }),
+            None => self.validate_times(),
+        }
+    }
+
+    fn validate_own(&self, law: &dyn ControlLaw) -> Result<(), ControllerError> {
+        if let Some(key) = self.given_gain() {
             return Err(ControllerError::GainOfOwnLaw { key });
         }
         if law.memory() > 0 && self.sample_time_s == 0.0 {
@@ -250,6 +275,13 @@ impl ControllerDescription {
             return Err(ControllerError::NotSampled { key: "velocity = \"averaged-difference\"" });
         }
         Ok(())
+    }
+
+    /// Whether the recorded drive signals act in the place of a controller's.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn is_open_loop(&self) -> bool {
+        self.law == Law::OpenLoop && self.own.is_none()
     }
 
     /// Whether the gains follow from the inertia.
@@ -313,6 +345,7 @@ impl ControllerDescription {
                 match self.law {
                     Law::Pd => (position, velocity),
                     Law::Cascaded => (position / velocity, velocity),
+                    Law::OpenLoop => (0.0, 0.0),
                 }
             }
         };
@@ -331,6 +364,7 @@ impl ControllerDescription {
         match self.law {
             Law::Pd => (kp, kv),
             Law::Cascaded => (kp * kv, kv),
+            Law::OpenLoop => (0.0, 0.0),
         }
     }
 }
@@ -449,6 +483,16 @@ mod tests {
     fn bandwidth_and_gains_exclude_one_another() {
         let d = described("law = \"pd\"\nbandwidth_hz = [40.0]\nposition_gain = [1.0]");
         assert_eq!(d.validate(6), Err(ControllerError::Gains));
+    }
+
+    #[test]
+    fn an_open_loop_has_no_gains_and_asks_for_nothing() {
+        let d = described("law = \"open-loop\"\nsample_time_s = 0.001");
+        assert_eq!((d.validate(6), d.resolve(&[1.0], 1.0).command(0, 1.0, 2.0, 3.0, 4.0)), (Ok(()), 0.0));
+        for (gain, key) in [("position_gain = 3", "position_gain"), ("saturation = 3", "saturation")] {
+            let d = described(&format!("law = \"open-loop\"\n{gain}"));
+            assert_eq!(d.validate(6), Err(ControllerError::GainOfOpenLoop { key }));
+        }
     }
 
     #[test]

@@ -17,7 +17,8 @@ pub struct ClosedLoop<'a> {
     pub controller: &'a ControllerDescription,
     /// What it follows.
     pub reference: &'a Reference,
-    /// A recorded signal added to the drive signals after the saturation, held from sample to sample at its rate.
+    /// A recorded signal added to the drive signals after the saturation, held from sample to sample at its rate. In an open loop it is the
+    /// drive signals: held where the controller is sampled, else linear between samples.
     pub added_signal: Option<(&'a Series, f64)>,
     /// The recorded channels that the robot's torque terms use, as in [`State::channels`](thetahat_model::dynamics::State::channels), from
     /// time zero at their rate; linear between samples.

@@ -60,6 +60,11 @@ impl<'a> Plant<'a> {
         self.joints_per_motor.times(p).iter().zip(self.offset).map(|(q, o)| q + o).collect()
     }
 
+    /// `dq = n_s^-1 dp`.
+    pub(super) fn joint_velocities(&self, dp: &[f64]) -> Vec<f64> {
+        self.joints_per_motor.times(dp)
+    }
+
     /// Writes the motor positions and velocities of a state to `p` and `v`.
     #[inline]
     pub(super) fn observe(&mut self, x: &[f64]) {

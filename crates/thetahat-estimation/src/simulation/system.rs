@@ -5,7 +5,7 @@ use super::{
     error::SimulationError,
     motion::{OutputGrid, SimulatedMotion},
     motor_reference::MotorReference,
-    plant::Plant,
+    plant::{Plant, interpolate},
     rosenbrock_w::Linearisation,
     solver::{Solver, WorkCounts},
     step_control::StepView,
@@ -77,11 +77,15 @@ impl<'a> Loop<'a> {
         if steps > STEP_LIMIT { Err(SimulationError::TooManySteps { steps, step_s }) } else { Ok(()) }
     }
 
-    /// The state at rest with every motor at its reference.
+    /// The state with every motor at its reference: at rest, or in an open loop as fast as the reference.
     pub(super) fn start(&mut self) -> Vec<f64> {
         self.reference.evaluate(0.0);
         let mut state = self.plant.joint_positions(&self.reference.p);
-        state.resize(2 * state.len(), 0.0);
+        if self.setup.controller.is_open_loop() {
+            state.extend(self.plant.joint_velocities(&self.reference.dp));
+        } else {
+            state.resize(2 * state.len(), 0.0);
+        }
         state
     }
 
@@ -207,7 +211,10 @@ impl<'a> Loop<'a> {
     }
 
     pub(super) fn add_recorded_signal(&mut self, t: f64) {
-        if let Some((signal, rate)) = self.setup.added_signal {
+        let Some((signal, rate)) = self.setup.added_signal else { return };
+        if self.setup.controller.is_open_loop() && !self.controller.is_sampled() {
+            interpolate(signal, t * rate, &mut self.u);
+        } else {
             let k = ((t * rate + SAME_TIME) as usize).min(signal.len() - 1);
             self.u.iter_mut().zip(signal.sample(k)).for_each(|(u, s)| *u += s);
         }

@@ -15,6 +15,7 @@ mod coverage;
 mod defect_table;
 mod exports;
 mod filter_study;
+mod forward_error;
 mod gallery;
 mod generated_times;
 mod long_chain;
@@ -33,7 +34,7 @@ use std::error::Error;
 /// A study by its name.
 type Study = (&'static str, fn() -> Result<(), Box<dyn Error>>);
 
-const STUDIES: [Study; 21] = [
+const STUDIES: [Study; 22] = [
     ("arrays", arrays::main),
     ("benchmark", benchmark::main),
     ("biased_simulator_power", biased_simulator_power::main),
@@ -50,6 +51,7 @@ const STUDIES: [Study; 21] = [
     }),
     ("exports", exports::main),
     ("filter_study", filter_study::main),
+    ("forward_error", forward_error::main),
     ("gallery", gallery::main),
     ("generated_times", generated_times::main),
     ("long_chain", long_chain::main),

@@ -153,7 +153,9 @@ impl Experiment {
         }
         self.require((0.0..=LONGEST_REST_S).contains(&twin.rest_s), "[twin] rest_s", "from 0 to 3600", twin.rest_s)?;
         let why = "the twin moves under its control";
-        self.settings.controller.as_ref().map(|_| ()).ok_or_else(|| self.missing("[controller]", why))
+        let controller = self.settings.controller.as_ref().ok_or_else(|| self.missing("[controller]", why))?;
+        let expected = "\"pd\" or \"cascaded\" with [twin]: nothing is recorded that moves it in an open loop";
+        self.require(!controller.is_open_loop(), "[controller] law", expected, "\"open-loop\"")
     }
 
     fn refuse_value(&self, key: &str, expected: &str, found: impl std::fmt::Display) -> ExperimentError {

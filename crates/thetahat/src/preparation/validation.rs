@@ -43,6 +43,7 @@ impl Settings {
         if let Some(controller) = &self.controller {
             controller.validate(robot.coordinate_count())?;
             self.validate_own_law(controller)?;
+            self.validate_open_loop(controller)?;
         }
         self.validate_payloads(robot)?;
         self.validate_model()?;
@@ -60,6 +61,25 @@ impl Settings {
         match self.all_methods().into_iter().find(with_sensitivities) {
             Some(method) => {
                 let expected = "no method that needs sensitivities, which a control law with a memory does not have";
+                Err(PreparationError::value("[estimation] methods", expected, method))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Recorded drive signals are no response that is compared, and positions that drift make no instruments.
+    fn validate_open_loop(&self, controller: &ControllerDescription) -> Checked {
+        if !controller.is_open_loop() {
+            return Ok(());
+        }
+        if let Some(gain) = self.estimation.loop_parameters.iter().find(|p| p.is_gain()) {
+            let expected = "no position or velocity gain with law = \"open-loop\"";
+            return Err(PreparationError::value("[estimation] loop_parameters", expected, gain.name()));
+        }
+        let is_usable = |m: &Method| m.needs() == Needs::Measurement || m.response() == Response::Position;
+        match self.all_methods().into_iter().find(|m| !is_usable(m)) {
+            Some(method) => {
+                let expected = "idim-ls, idim-wls or cloe with law = \"open-loop\"";
                 Err(PreparationError::value("[estimation] methods", expected, method))
             }
             None => Ok(()),

@@ -121,7 +121,8 @@ impl<'a> Simulator<'a> {
     ) -> Self {
         let loop_of = |(number, (filtered, reference)): (usize, &(&'a FilteredRecording, &'a RecordedReference))| {
             let recording = &filtered.recording;
-            let added = recording.added_signal.as_ref().map(|s| (s, recording.sample_rate_hz));
+            let played = reference.drive_signals.as_ref();
+            let added = played.or(recording.added_signal.as_ref()).map(|s| (s, recording.sample_rate_hz));
             let channels = filtered.channels.as_ref().map(|s| (s, recording.sample_rate_hz));
             let of_settings =
                 closed_loop(setup, &problem.model, controller, &reference.reference, added, case.simulator);

@@ -29,6 +29,7 @@ mod models;
 mod near_rest;
 mod nist_strd;
 mod not_separated;
+mod open_loop;
 mod operation_counts;
 mod payload;
 mod physical;

@@ -28,14 +28,18 @@ const OTHER_UNIT: f64 = 3.0;
 /// Largest relative difference of such a factor from a power of the gear ratio.
 const NEAR_RATIO: f64 = 0.3;
 
-/// Compares nothing if the reference is not recorded, or if an unknown signal is added to the drives.
+/// Compares nothing if the reference is not recorded, if an unknown signal is added to the drives, or if the loop is open.
 pub(in crate::checks) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     let subject = exam.subject;
     let (Some(reference), Some(description)) = (subject.reference, subject.controller) else { return };
     let Some(torque) = subject.torque_in_window() else { return };
     // What a law with a memory gives depends on where its memory began.
     let has_memory = description.own_law().is_some_and(|law| law.memory() > 0);
-    if subject.added_signal || has_memory || description.validate(signals.coordinates()).is_err() {
+    if subject.added_signal
+        || has_memory
+        || description.is_open_loop()
+        || description.validate(signals.coordinates()).is_err()
+    {
         return;
     }
     let law = LawInputs::new(subject, signals, reference, description);

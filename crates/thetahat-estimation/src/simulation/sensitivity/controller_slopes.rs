@@ -115,10 +115,11 @@ impl Tuned {
     fn of(to: SensitiveTo, law: Law, is_sampled: bool) -> Option<Self> {
         match to {
             SensitiveTo::PositionGain(motors) => Some(Self::PositionGain(motors)),
-            SensitiveTo::VelocityGain(motors) => Some(match law {
-                Law::Pd => Self::VelocityGain(motors),
-                Law::Cascaded => Self::CascadeGain(motors),
-            }),
+            SensitiveTo::VelocityGain(motors) => match law {
+                Law::Pd => Some(Self::VelocityGain(motors)),
+                Law::Cascaded => Some(Self::CascadeGain(motors)),
+                Law::OpenLoop => None,
+            },
             SensitiveTo::GearRatio => (!is_sampled).then_some(Self::GearRatio),
             SensitiveTo::Delay => (!is_sampled).then_some(Self::Delay),
             SensitiveTo::DriveGain(_) | SensitiveTo::Parameter(_) => None,

@@ -232,12 +232,14 @@ impl Output {
     }
 }
 
-/// The sensitivities of the initial state: every motor at its reference, `q = n_s^-1 p + offset`, and at rest.
+/// The sensitivities of the initial state: every motor at its reference, `q = n_s^-1 p + offset`, and its velocity `n_s^-1 dp`, zero in
+/// a closed loop.
 fn start_of(running: &Running<'_>, to: &[SensitiveTo]) -> ColumnBlocks {
     let x = running.integrator.state();
     let mut start = ColumnBlocks::zeros(x.len(), to.len());
     for column in SensitiveTo::GearRatio.columns_of(to) {
-        start.add_column(column, x.iter().zip(running.system.plant.offset).map(|(q, offset)| offset - q));
+        let zeros = running.system.plant.offset.iter().chain(std::iter::repeat(&0.0));
+        start.add_column(column, x.iter().zip(zeros).map(|(x, zero)| zero - x));
     }
     start
 }

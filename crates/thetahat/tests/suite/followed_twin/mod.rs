@@ -30,6 +30,11 @@ fn noise(count: usize, deviation: f64) -> Vec<f64> {
 
 /// The record of a twin that follows a reference.
 pub fn record(reference: &Series, position_noise: f64) -> Recording {
+    record_with_noise(reference, [position_noise, 0.05])
+}
+
+/// The same with these standard deviations of positions and torques.
+pub fn record_with_noise(reference: &Series, [position_noise, torque_noise]: [f64; 2]) -> Recording {
     let robot = robot();
     let (model, controller, theta) = (Model::new(&robot), controller(), robot.a_priori_parameters());
     let followed = Reference::Sampled(SampledReference::new(reference.clone(), RATE_HZ));
@@ -53,6 +58,6 @@ pub fn record(reference: &Series, position_noise: f64) -> Recording {
         let values = series.values().iter().zip(noise).map(|(v, e)| v + e).collect();
         Series::shaped(series.channels(), values)
     };
-    let (q, tau) = (noisy(&motion.q, position_noise), noisy(&motion.tau, 0.05));
+    let (q, tau) = (noisy(&motion.q, position_noise), noisy(&motion.tau, torque_noise));
     Recording { truth: Some(theta), ..Recording::new(RATE_HZ, q, tau) }
 }
