@@ -20,6 +20,7 @@ mod delays;
 mod description;
 mod driver;
 mod error;
+mod floating;
 mod identified;
 mod missing_values;
 mod paths;
@@ -44,6 +45,8 @@ pub use driver::Driver;
 #[doc(hidden)]
 pub use driver::{DriverController, DriverError, DriverSignal, DriverTime};
 pub use error::ExperimentError;
+#[doc(hidden)]
+pub use floating::{BaseDescription, ContactDescription, Contacts, NamedContacts, Orientation, WrenchAxes};
 pub use identified::{EstimateRequest, IdentifiedRobot};
 #[doc(hidden)]
 pub use power::PowerPoint;

@@ -286,6 +286,12 @@ pub const FINDINGS: [[&str; 4]; 42] = [
         "of the URDF: negative masses, damping or friction, physically impossible inertias; they are used as they are",
         "correct the description",
     ],
+    [
+        "equations-used",
+        "note",
+        "a robot on a base that floats: the part of the window in which the six equations of the base, and those of the joints, are used",
+        "nothing to do; measured forces, torques and times without contact give more equations",
+    ],
 ];
 
 /// Code, what asks for care, what forbids the use, and what to do.
