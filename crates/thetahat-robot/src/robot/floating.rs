@@ -64,7 +64,7 @@ impl Robot {
         let doubt = |doubt: Doubt| Doubt { carrier: doubt.carrier.map(shifted), ..doubt };
         Self {
             a_priori: values.chain(of_root).collect(),
-            transmission: self.transmission.behind_base(BASE_JOINTS),
+            transmission: self.transmission.after_base(BASE_JOINTS),
             loops: self.loops.into_iter().map(shifted_loop).collect(),
             doubts: self.doubts.into_iter().map(doubt).collect(),
             joints,
@@ -74,16 +74,16 @@ impl Robot {
 }
 
 impl Transmission {
-    /// The same behind coordinates that nothing drives.
-    pub(super) fn behind_base(&self, base: usize) -> Self {
+    /// The same after coordinates that nothing drives.
+    pub(super) fn after_base(&self, base: usize) -> Self {
         let size = base + self.joints();
         let entry = |i: usize, j: usize| match (i.checked_sub(base), j.checked_sub(base)) {
             (Some(i), Some(j)) => self.matrix().at(i, j),
             (None, None) if i == j => 1.0,
             (None | Some(_), None | Some(_)) => 0.0,
         };
-        let behind = |first: f64, values: &[f64]| [vec![first; base], values.to_vec()].concat();
-        let (offset, gain) = (behind(0.0, self.offset()), behind(1.0, self.drive_gain()));
+        let after = |first: f64, values: &[f64]| [vec![first; base], values.to_vec()].concat();
+        let (offset, gain) = (after(0.0, self.offset()), after(1.0, self.drive_gain()));
         Self::new(Matrix::from_fn(size, size, entry), offset, gain).unwrap_or_else(|| Self::direct(size))
     }
 

@@ -12,7 +12,7 @@ use serde::{
     },
 };
 
-use super::{error::ExperimentError, floating::BaseDescription, paths};
+use super::{base::BaseDescription, error::ExperimentError, paths};
 use crate::preparation::{
     Case, EstimationOptions, ModelOptions, ParameterSelection, Payload, PreparationError, ReferenceCorrection,
     Settings, Setup, SignalOptions, SimulationOptions,

@@ -2,19 +2,14 @@
 
 use std::{ops::Range, path::Path};
 
-use serde::Deserialize;
-
 use super::{
+    base::{BaseDescription, ContactDescription, Contacts, NamedContacts, SPECIFIC_FORCE, WrenchAxes, channel},
     description::{Experiment, RecordingDescription},
     error::ExperimentError,
 };
 use crate::preparation::{PreparationError, Recording, torques};
-use thetahat_data::recording::{self, ChannelSource, Dimension, RecordingError, Side};
-use thetahat_ground::{
-    number::significant,
-    series::Series,
-    vector::{Mat3, Vec3, norm, quaternion_rotation},
-};
+use thetahat_data::recording::{self, ChannelSource, Side};
+use thetahat_ground::{number::significant, series::Series, vector::norm};
 use thetahat_model::{
     dynamics::{Model, Wrench},
     robot::{LinkQuantity, Quantity},
@@ -22,7 +17,7 @@ use thetahat_model::{
 
 /// Coordinates of a base that floats.
 const BASE: usize = 6;
-/// Cosine of the pitch below which yaw and roll are not told apart: within 3 degrees of 90.
+/// Cosine of the pitch below which yaw and roll are not distinguished: within 3 degrees of 90.
 const UPRIGHT: f64 = 0.05;
 /// Part of its weight that may act on a robot of the described masses that counts as in flight.
 const FLIGHT: f64 = 0.2;
@@ -30,167 +25,8 @@ const FLIGHT: f64 = 0.2;
 /// the contact before and after.
 const SHORTEST_FLIGHT: f64 = 1.0;
 
-/// The base of a robot that floats: `[recording.base]`.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-#[doc(hidden)]
-pub struct BaseDescription {
-    /// The origin of the root body's frame in the world: three columns. Without it, `specific_force`.
-    pub position: Option<ChannelSource>,
-    /// What an accelerometer at the origin of the root body measures, along the axes of that body, m/s^2: three columns.
-    pub specific_force: Option<ChannelSource>,
-    /// The orientation of the root body's axes in the world: a quaternion, or roll, pitch and yaw.
-    pub orientation: ChannelSource,
-    /// The order of its columns.
-    pub order: Orientation,
-    /// What touches the robot from outside; none is `"measured"` with `contact`, and refused without.
-    pub contacts: Option<Contacts>,
-    /// The forces that were measured.
-    #[serde(default)]
-    pub contact: Vec<ContactDescription>,
-}
-
-/// The columns of an orientation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-#[doc(hidden)]
-pub enum Orientation {
-    /// A quaternion, its real part first.
-    Wxyz,
-    /// A quaternion, its real part last.
-    Xyzw,
-    /// Angles about x, then y, then z of the world.
-    Rpy,
-}
-
-impl Orientation {
-    fn columns(self) -> usize {
-        match self {
-            Self::Wxyz | Self::Xyzw => 4,
-            Self::Rpy => 3,
-        }
-    }
-
-    /// Yaw, pitch and roll.
-    fn yaw_pitch_roll(self, columns: &[f64]) -> [f64; 3] {
-        let of_quaternion = |[w, x, y, z]: [f64; 4]| {
-            let length = [w, x, y, z].iter().map(|v| v * v).sum::<f64>().sqrt();
-            yaw_pitch_roll(&quaternion_rotation([w, x, y, z].map(|v| v / length)))
-        };
-        match (self, columns) {
-            (Self::Wxyz, &[w, x, y, z]) | (Self::Xyzw, &[x, y, z, w]) => of_quaternion([w, x, y, z]),
-            (Self::Rpy, &[roll, pitch, yaw]) => [yaw, pitch, roll],
-            (Self::Wxyz | Self::Xyzw | Self::Rpy, _) => [f64::NAN; 3],
-        }
-    }
-}
-
-/// The angles of a rotation `Rz(yaw) Ry(pitch) Rx(roll)`.
-fn yaw_pitch_roll(r: &Mat3) -> [f64; 3] {
-    [r[1][0].atan2(r[0][0]), (-r[2][0]).atan2(r[0][0].hypot(r[1][0])), r[2][1].atan2(r[2][2])]
-}
-
-/// What touches a robot from outside.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(untagged)]
-#[doc(hidden)]
-pub enum Contacts {
-    /// By a word.
-    Named(NamedContacts),
-    /// Nothing from each start to each end, s; something that was not measured at other times.
-    NoneFrom(Vec<[f64; 2]>),
-}
-
-/// What touches a robot from outside, by a word.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-#[doc(hidden)]
-pub enum NamedContacts {
-    /// Forces that were all measured.
-    Measured,
-    /// Nothing.
-    None,
-    /// A rope, stand or hand that holds the base alone, with a force that was not measured.
-    Base,
-    /// Forces that were not measured, but where the robot is in flight.
-    Flight,
-}
-
-/// A measured contact: `[[recording.base.contact]]`.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-#[doc(hidden)]
-pub struct ContactDescription {
-    /// The joint whose link is touched; none is the root body.
-    pub link_of: Option<String>,
-    /// Where, in the link's axes from the origin of the joint's frame, m.
-    #[serde(default)]
-    pub point_m: Vec3,
-    /// The axes of force and moment.
-    pub axes: WrenchAxes,
-    /// The force on the robot, three columns, or with its moment about the point, six.
-    pub force: ChannelSource,
-}
-
-/// The axes of a wrench.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-#[doc(hidden)]
-pub enum WrenchAxes {
-    /// Those of the world.
-    World,
-    /// Those of the link.
-    Link,
-}
-
-/// The name of a channel that holds a contact's force until it is known at equal steps.
-fn channel(number: usize) -> String {
-    format!("[[recording.base.contact]] {}", number + 1)
-}
-
-/// The name of the channel that holds the specific force.
-const SPECIFIC_FORCE: &str = "[recording.base] specific_force";
-
-impl BaseDescription {
-    /// The channels that it names.
-    pub(super) fn sources(&self) -> impl Iterator<Item = &ChannelSource> {
-        let own = self.position.iter().chain(&self.specific_force).chain([&self.orientation]);
-        own.chain(self.contact.iter().map(|contact| &contact.force))
-    }
-
-    /// The same, to rename.
-    pub(super) fn sources_mut(&mut self) -> impl Iterator<Item = &mut ChannelSource> {
-        let own = self.position.iter_mut().chain(&mut self.specific_force).chain([&mut self.orientation]);
-        own.chain(self.contact.iter_mut().map(|contact| &mut contact.force))
-    }
-
-    /// Refuses units of other quantities.
-    pub(super) fn require_units(&self) -> Result<(), RecordingError> {
-        let angles = match self.order {
-            Orientation::Wxyz | Orientation::Xyzw => Dimension::Dimensionless,
-            Orientation::Rpy => Dimension::Angle,
-        };
-        let require = |source: &Option<ChannelSource>, name: &str, dimension| {
-            source.iter().try_for_each(|source| source.require_dimension(name, &[dimension]))
-        };
-        require(&self.position, "[recording.base] position", Dimension::Length)?;
-        require(&self.specific_force, SPECIFIC_FORCE, Dimension::LinearAcceleration)?;
-        self.orientation.require_dimension("[recording.base] orientation", &[angles])?;
-        let effort = [Dimension::Force, Dimension::Torque];
-        let mut contacts = self.contact.iter().enumerate();
-        contacts.try_for_each(|(k, contact)| contact.force.require_dimension(&channel(k), &effort))
-    }
-
-    /// The channels beside the pose, by the names under which they are brought to equal steps.
-    pub(super) fn channels(&self) -> impl Iterator<Item = (String, &ChannelSource)> {
-        let contacts = self.contact.iter().enumerate().map(|(k, contact)| (channel(k), &contact.force));
-        let own = self.specific_force.iter().map(|source| (SPECIFIC_FORCE.to_owned(), source));
-        own.filter(|_| self.position.is_none()).chain(contacts)
-    }
-}
-
 /// The coordinates that the recorded channels of the joints do not have: zeros in front of them.
-pub(super) fn behind_base(series: &Series, base: usize) -> Series {
+pub(super) fn after_base(series: &Series, base: usize) -> Series {
     let zeros = (0..base).map(|_| vec![0.0; series.len()]);
     Series::side_by_side(&zeros.chain((0..series.channels()).map(|j| series.channel(j))).collect::<Vec<_>>())
 }
@@ -283,7 +119,7 @@ impl Experiment {
             Some(Contacts::Named(NamedContacts::None | NamedContacts::Flight)) | Some(Contacts::NoneFrom(_))
                 if has_forces =>
             {
-                refuse(key, "\"measured\" or \"base\" with [[recording.base.contact]]", "measured forces beside it")
+                refuse(key, "\"measured\" or \"base\" with [[recording.base.contact]]", "measured forces as well")
             }
             Some(Contacts::Named(NamedContacts::None | NamedContacts::Flight)) => Ok(()),
             Some(Contacts::NoneFrom(times)) => {
@@ -297,7 +133,7 @@ impl Experiment {
         }
     }
 
-    /// A recording at equal steps with the generalised forces of measured contacts beside its torques, and without the rows that are
+    /// A recording at equal steps with the generalised forces of measured contacts added to its torques, and without the rows that are
     /// not known.
     pub(super) fn with_contacts(
         &self,
@@ -319,29 +155,30 @@ impl Experiment {
             torque.sample_mut(k).iter_mut().zip(applied).for_each(|(tau, force)| *tau += force);
         }
         recording.torque = Some(torque);
-        let all = 0..recording.position.channels();
+        let coordinates = recording.position.channels();
         if !has_torque {
-            recording.unused_rows.push((BASE..all.end, 0..samples));
+            recording.unused_rows.push((BASE..coordinates, 0..samples));
             recording
                 .notes_of_base
                 .push("no torques: the six equations of the base are used, those of the joints are not".to_owned());
         }
         match &base.contacts {
-            Some(Contacts::Named(NamedContacts::Measured | NamedContacts::None)) | None => {}
+            Some(Contacts::Named(NamedContacts::Measured)) | None => {}
             Some(Contacts::Named(NamedContacts::Base)) => {
-                recording.unused_rows.push((0..BASE, 0..samples));
-                recording
-                    .notes_of_base
-                    .push("the base is held: the equations of the joints are used, its own six are not".to_owned());
+                let why = "the force that holds the base is not known, and its own six equations are not used";
+                leave_out_base(&mut recording, why);
             }
+            Some(Contacts::Named(NamedContacts::None)) => leave_out_base(&mut recording, ZEROS),
             Some(Contacts::Named(NamedContacts::Flight)) => {
                 let found = self.flight(&recording)?;
-                leave_out_but(&mut recording, &found, all);
+                leave_out_base(&mut recording, ZEROS);
+                leave_out_but(&mut recording, &found, BASE..coordinates);
             }
             Some(Contacts::NoneFrom(times)) => {
                 let sample = |t: f64| ((t * recording.sample_rate_hz).round() as usize).min(samples);
                 let stated: Vec<Range<usize>> = times.iter().map(|[start, end]| sample(*start)..sample(*end)).collect();
-                leave_out_but(&mut recording, &stated, all);
+                leave_out_base(&mut recording, ZEROS);
+                leave_out_but(&mut recording, &stated, BASE..coordinates);
             }
         }
         Ok(recording)
@@ -439,6 +276,17 @@ impl Experiment {
     }
 }
 
+/// Why the equations of a base on which nothing acts are left out: their right-hand sides are zeros, and least squares would draw all
+/// masses to zero by the noise of the base's acceleration.
+const ZEROS: &str =
+    "nothing acts on the base, whose own six equations say only that masses times noise are zero, and are not used";
+
+/// Leaves out the equations of the base.
+fn leave_out_base(recording: &mut Recording, why: &str) {
+    recording.unused_rows.push((0..BASE, 0..recording.position.len()));
+    recording.notes_of_base.push(why.to_owned());
+}
+
 /// The stretches of samples that fly, without a period at each end, that are long enough.
 fn stretches(samples: usize, flies: impl Fn(usize) -> bool, period: f64) -> Vec<Range<usize>> {
     let edge = period.ceil() as usize;
@@ -477,21 +325,6 @@ fn leave_out_but(recording: &mut Recording, used: &[Range<usize>], all: Range<us
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn angles_come_back_from_quaternions_in_either_order() {
-        // Yaw 90 degrees, then pitch 30 degrees.
-        let (a, b) = (std::f64::consts::FRAC_PI_4, 15f64.to_radians());
-        let [w, x, y, z] = [a.cos() * b.cos(), -a.sin() * b.sin(), a.cos() * b.sin(), a.sin() * b.cos()];
-        for found in [
-            Orientation::Wxyz.yaw_pitch_roll(&[w, x, y, z]),
-            Orientation::Xyzw.yaw_pitch_roll(&[2.0 * x, 2.0 * y, 2.0 * z, 2.0 * w]),
-        ] {
-            let expected = [2.0 * a, 2.0 * b, 0.0];
-            assert!(found.iter().zip(expected).all(|(f, e)| (f - e).abs() < 1e-14), "{found:?}");
-        }
-        assert_eq!(Orientation::Rpy.yaw_pitch_roll(&[1.0, 2.0, 3.0]), [3.0, 2.0, 1.0]);
-    }
 
     #[test]
     fn flight_is_cut_at_both_ends_and_must_last() {

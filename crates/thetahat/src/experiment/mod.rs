@@ -14,6 +14,7 @@
 //! ```
 
 mod arrival_times;
+mod base;
 mod column_names;
 mod copies;
 mod delays;
@@ -40,13 +41,13 @@ mod validation;
 pub(crate) use paths::path_in_project;
 
 #[doc(hidden)]
+pub use base::{BaseDescription, ContactDescription, Contacts, NamedContacts, Orientation, WrenchAxes};
+#[doc(hidden)]
 pub use description::{Experiment, ExperimentFile, RecordingDescription, TwinDescription, Unlisted};
 pub use driver::Driver;
 #[doc(hidden)]
 pub use driver::{DriverController, DriverError, DriverSignal, DriverTime};
 pub use error::ExperimentError;
-#[doc(hidden)]
-pub use floating::{BaseDescription, ContactDescription, Contacts, NamedContacts, Orientation, WrenchAxes};
 pub use identified::{EstimateRequest, IdentifiedRobot};
 #[doc(hidden)]
 pub use power::PowerPoint;

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use super::{
+    base::BaseDescription,
     description::{Experiment, RecordingDescription},
     error::ExperimentError,
-    floating::BaseDescription,
     identified::{EstimateRequest, IdentifiedRobot},
 };
 use crate::preparation::PreparationError;

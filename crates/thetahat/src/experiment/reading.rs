@@ -4,11 +4,12 @@ use std::{collections::BTreeMap, path::Path};
 
 use super::{
     arrival_times::equal_times,
+    base::BaseDescription,
     copies::{selected, without_copies},
     delays::without_delays,
     description::{Experiment, RecordingDescription},
     error::ExperimentError,
-    floating::{BaseDescription, behind_base},
+    floating::after_base,
     missing_values::complete_samples,
     repeated_rows::{bridged, repeated_rows},
 };
@@ -156,7 +157,7 @@ impl Experiment {
         let base = self.robot.base_coordinates();
         let (expected, found) = (self.robot.coordinate_count() - base, series.channels());
         if found == expected {
-            return Ok(if base == 0 { series } else { behind_base(&series, base) });
+            return Ok(if base == 0 { series } else { after_base(&series, base) });
         }
         let place = source.path(data).display().to_string();
         Err(self.refuse(PreparationError::JointCount { place, expected, found }))

@@ -1,9 +1,9 @@
 //! What an experiment file must hold before anything is read or run.
 
 use super::{
+    base::BaseDescription,
     description::{Experiment, RecordingDescription, TwinDescription},
     error::ExperimentError,
-    floating::BaseDescription,
 };
 use crate::preparation::{PreparationError, validate_window};
 use thetahat_data::recording::{ChannelSource, Dimension, Side};

@@ -274,7 +274,7 @@ fn unused_rows(recording: &Recording, window: &Range<usize>) -> Option<RowMask> 
     RowMask::leaving_out(recording.position.channels(), window.len(), &parts)
 }
 
-/// Where rows are left out, a force or a torque must be in the others: without one every parameter may be scaled.
+/// Where rows are left out, a force or a torque must be in the others: without one any scale of the parameters fits.
 fn require_force(
     recording: &Recording,
     window: &Range<usize>,
@@ -283,8 +283,7 @@ fn require_force(
     let (Some(torque), Some(unused)) = (&recording.torque, unused) else { return Ok(()) };
     let used = unused.applied_to(&torque.window(window.clone()));
     let place = format!("recording {}", recording.name);
-    let expected = "a torque, a contact force, or the value of one mass in [parameters] fix, such as that of the base's \
-                    parameter m6, which has the mass of the whole robot: without one the scale of all masses is free";
+    let expected = "torques, or forces of contacts that were measured: without either the scale of all masses is free";
     let is_known = used.values().iter().any(|value| *value != 0.0);
     PreparationError::require(is_known, &place, expected, "rows without any force")
 }

@@ -104,7 +104,7 @@ fn subject_of<'a>(
         position: &recording.position,
         geared: recording.geared,
         velocity: recording.velocity.as_ref(),
-        // Beside torques there are forces of contacts, which jump, and rows that are not used: the checks of torques know neither.
+        // Forces of contacts are added to these torques, and jump, and some rows are not used: the checks of torques expect neither.
         torque: recording.torque.as_ref().filter(|_| setup.robot.base_coordinates() == 0),
         reference: None,
         reconstructed_deviation: None,

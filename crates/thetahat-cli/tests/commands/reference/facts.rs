@@ -38,7 +38,7 @@ pub const LINK_QUANTITIES: [(&str, &str); 3] = [
 ];
 
 /// Code, severities, evidence, and what to do.
-pub const FINDINGS: [[&str; 4]; 42] = [
+pub const FINDINGS: [[&str; 4]; 43] = [
     [
         "position-scale",
         "problem",

@@ -109,7 +109,7 @@ impl Reader<'_> {
         if let Some(entry) = transmission {
             let base = robot.base_coordinates();
             let own = robot.transmission.without_base(base);
-            robot.transmission = self.transmission(entry, &robot.joints[base..], &own)?.behind_base(base);
+            robot.transmission = self.transmission(entry, &robot.joints[base..], &own)?.after_base(base);
         }
         robot.set_friction(friction.unwrap_or(robot.friction));
         // Terms may need a-priori values, and a-priori values may belong to terms.
