@@ -3,9 +3,9 @@
 use serde::Deserialize;
 
 use thetahat_data::recording::{ChannelSource, Dimension, RecordingError};
-use thetahat_ground::vector::{Mat3, Vec3, quaternion_rotation};
+use thetahat_ground::vector::{Mat3, quaternion_rotation};
 
-/// The base of a robot that floats: `[recording.base]`.
+/// The base of a robot that floats: its pose, and what touches the robot.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[doc(hidden)]
@@ -67,7 +67,7 @@ fn yaw_pitch_roll(r: &Mat3) -> [f64; 3] {
 
 /// What touches a robot from outside.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected \"measured\", \"none\", \"base\", \"flight\", or a list of [start, end] in s")]
 #[doc(hidden)]
 pub enum Contacts {
     /// By a word.
@@ -91,7 +91,7 @@ pub enum NamedContacts {
     Flight,
 }
 
-/// A measured contact: `[[recording.base.contact]]`.
+/// A contact whose force was measured.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[doc(hidden)]
@@ -100,7 +100,7 @@ pub struct ContactDescription {
     pub link_of: Option<String>,
     /// Where, in the link's axes from the origin of the joint's frame, m.
     #[serde(default)]
-    pub point_m: Vec3,
+    pub point_m: [f64; 3],
     /// The axes of force and moment.
     pub axes: WrenchAxes,
     /// The force on the robot, three columns, or with its moment about the point, six.
