@@ -1,7 +1,7 @@
 //! A base that floats: a body with an arm of two joints, simulated with a known wrench, is identified from the six equations of the
 //! base alone, from torques alone, from both and in flight; and what needs a fixed base refuses it.
 
-use std::{fmt::Write, path::Path};
+use std::{f64::consts::FRAC_1_SQRT_2, fmt::Write, path::Path};
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -111,7 +111,8 @@ fn log(robot: &Robot) -> String {
     let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters()).unwrap();
     let body = Body { model, parameters };
     let mut rng = ChaCha8Rng::seed_from_u64(3);
-    let mut noise = |size: f64| size * (0..6).map(|_| rng.random_range(-0.7071..0.7071)).sum::<f64>();
+    // The sum of six has a deviation of one.
+    let mut noise = |size: f64| size * (0..6).map(|_| rng.random_range(-FRAC_1_SQRT_2..FRAC_1_SQRT_2)).sum::<f64>();
     let mut text = "t,px,py,pz,ow,ox,oy,oz,q1,q2,tau1,tau2,fx,fy,fz,nx,ny,nz,sx,sy,sz\n".to_owned();
     let mut base = vec![0.0; 12];
     let moved = |base: &[f64], slope: &[f64], h: f64| -> Vec<f64> {
