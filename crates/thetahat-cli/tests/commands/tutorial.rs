@@ -154,7 +154,7 @@ fn the_commands_of_the_design_print_what_the_page_shows() {
 
 #[test]
 fn the_commands_of_the_loops_print_what_the_page_shows() {
-    compare("docs/manual/loops.md", 1);
+    compare("docs/manual/loops.md", 2);
 }
 
 /// A folder with the examples that the pages take.
@@ -165,7 +165,8 @@ fn example() -> Folder {
         let name = entry.expect("it is readable").file_name();
         copy(&format!("examples/arm/{}", name.display()));
     }
-    ["robots/five_bar.toml", "experiments/five_bar.toml"].into_iter().for_each(copy);
+    let robots = ["robots/five_bar.toml", "robots/quadruped.urdf", "robots/quadruped_floating.toml"];
+    robots.into_iter().chain(["experiments/five_bar.toml"]).for_each(copy);
     folder
 }
 

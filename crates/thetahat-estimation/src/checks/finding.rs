@@ -122,6 +122,8 @@ pub enum Code {
     NotPhysical,
     /// The robot's description has physically impossible values.
     RobotDescription,
+    /// Which equations of a robot on a base that floats are used.
+    EquationsUsed,
 }
 
 impl Code {
@@ -142,7 +144,7 @@ impl Code {
     }
 
     /// All codes, in order.
-    pub const ALL: [Self; 42] = [
+    pub const ALL: [Self; 43] = [
         Self::PositionScale,
         Self::PositionSign,
         Self::PositionZero,
@@ -185,6 +187,7 @@ impl Code {
         Self::RecordingsContradict,
         Self::NotPhysical,
         Self::RobotDescription,
+        Self::EquationsUsed,
     ];
 
     /// Its stable name, lower case with hyphens.
@@ -233,6 +236,7 @@ impl Code {
             Self::RecordingsContradict => "recordings-contradict",
             Self::NotPhysical => "not-physical",
             Self::RobotDescription => "robot-description",
+            Self::EquationsUsed => "equations-used",
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Selects the samples of each joint that make rows: it leaves out those near rest, where the sign of the velocity is not known.
 
+use std::ops::Range;
+
 use crate::signal::{Decimator, SignalError};
 use thetahat_ground::series::Series;
 use thetahat_model::dynamics::Jump;
@@ -32,15 +34,42 @@ impl RowMask {
     /// Leaves out the samples of each coordinate on which a jump acts near rest. None if no sample would be left out.
     #[must_use]
     pub fn near_rest(jumps: &[Jump], dq: &Series, rule: &NearRest) -> Option<Self> {
+        Self::near_rest_among(jumps, dq, rule, None)
+    }
+
+    /// The same among the samples that another mask uses, and without those that it leaves out.
+    #[doc(hidden)]
+    pub fn near_rest_among(jumps: &[Jump], dq: &Series, rule: &NearRest, others: Option<&Self>) -> Option<Self> {
         let mut channels = rule.used(jumps, dq);
-        for used in &mut channels {
-            let left_out = used.iter().filter(|u| **u == 0.0).count();
-            if hardly_moves(left_out, used.len(), rule.widened) {
+        for (j, used) in channels.iter_mut().enumerate() {
+            let counts = |k: usize| others.is_none_or(|others| others.used.sample(k)[j] == 1.0);
+            let samples = (0..used.len()).filter(|&k| counts(k)).count();
+            let left_out = used.iter().enumerate().filter(|(k, u)| **u == 0.0 && counts(*k)).count();
+            if hardly_moves(left_out, samples, rule.widened) {
                 used.fill(1.0);
             }
         }
-        let mask = Self { used: Series::side_by_side(&channels) };
+        let slow = Self { used: Series::side_by_side(&channels) };
+        let mask = others.map_or(slow.clone(), |others| slow.and(others));
         mask.used.values().contains(&0.0).then_some(mask)
+    }
+
+    /// Leaves out the samples of some coordinates, in pairs of both. None if no sample would be left out.
+    #[must_use]
+    pub fn leaving_out(coordinates: usize, samples: usize, parts: &[(Range<usize>, Range<usize>)]) -> Option<Self> {
+        let mut used = Series::shaped(coordinates, vec![1.0; coordinates * samples]);
+        for (of, at) in parts {
+            for k in at.start..at.end.min(samples) {
+                used.sample_mut(k)[of.clone()].fill(0.0);
+            }
+        }
+        used.values().contains(&0.0).then_some(Self { used })
+    }
+
+    /// Leaves out what either of two leaves out.
+    #[must_use]
+    pub fn and(&self, other: &Self) -> Self {
+        Self { used: other.applied_to(&self.used) }
     }
 
     /// A series with one channel for each coordinate, zero where a sample is not used.

@@ -120,7 +120,7 @@ impl ConsistentSet {
             links,
             table,
         };
-        (0..links).try_for_each(|k| set.check_definite(k))?;
+        set.bodies().try_for_each(|k| set.check_definite(k))?;
         set.scale = (0..a_priori.len()).map(|i| set.usual_size(i)).collect();
         Ok(set)
     }
@@ -237,7 +237,7 @@ impl ConsistentSet {
 
     /// All conditions, in the standard parameters.
     pub(super) fn conditions(&self) -> Vec<ConditionBlock> {
-        let links = (0..self.links).map(|k| self.link_condition(k));
+        let links = self.bodies().map(|k| self.link_condition(k));
         let parameters = (0..self.table.len()).filter(|&i| self.is_positive(i)).map(|i| self.parameter_condition(i));
         let motors = self.motors.iter().map(|motors| self.motor_condition(motors));
         let bounds = self.known.inequalities.iter().map(|inequality| {
@@ -272,7 +272,7 @@ impl ConsistentSet {
 
     /// The divergences of [`Prior::Belief`](super::Prior::Belief): of each body, and of each number that cannot be negative.
     pub(super) fn belief_divergences(&self, weight: f64) -> Vec<Block> {
-        let bodies = (0..self.links).filter_map(|k| self.divergence(k, weight * self.beliefs.link_parts[k]));
+        let bodies = self.bodies().filter_map(|k| self.divergence(k, weight * self.beliefs.link_parts[k]));
         let positive = (0..self.table.len()).filter(|&i| self.is_believed_positive(i));
         let numbers = positive.filter_map(|i| {
             let reference = Symmetric::diagonal(&[self.beliefs.sizes[i]]).cholesky()?;
@@ -341,6 +341,11 @@ impl ConsistentSet {
     #[doc(hidden)]
     pub fn links(&self) -> usize {
         self.links
+    }
+
+    /// The links that have a body: those of a base that floats have none but for the last.
+    fn bodies(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.links).filter(|&k| self.table.index(Quantity::Link(LinkQuantity::M), k).is_some())
     }
 
     fn check_definite(&self, k: usize) -> Result<(), ConsistencyError> {

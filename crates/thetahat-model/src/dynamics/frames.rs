@@ -64,6 +64,16 @@ impl Model {
         }
     }
 
+    /// Adds the derivatives of the rotation of link `j` about a direction with respect to the coordinates.
+    pub(super) fn add_turn_slopes(&self, frames: &[JointFrame], j: usize, direction: Vec3, slopes: &mut [f64]) {
+        let mut carrier = j;
+        while let (Some(joint), Some(frame)) = (self.joints.get(carrier), frames.get(carrier)) {
+            let turn = if joint.revolute { dot(frame.rotation.map(|row| row[2]), direction) } else { 0.0 };
+            joint.shares().for_each(|(c, ratio)| slopes[c] += ratio * turn);
+            carrier = joint.parent;
+        }
+    }
+
     /// The origin of joint `j`'s frame and its z axis, in the frame of the base, at the coordinates `q`.
     #[doc(hidden)]
     pub fn frame(&self, j: usize, q: &[f64]) -> (Vec3, Vec3) {

@@ -70,6 +70,7 @@ mod term_torques;
 mod terms;
 mod twist;
 mod workspace;
+mod wrenches;
 
 pub use coupled_motor::CoupledMotor;
 pub(crate) use frames::JointFrame;
@@ -81,6 +82,8 @@ pub use sign::Sign;
 pub use state::{JointCoordinate, State};
 pub(crate) use workspace::LoopScratch;
 pub use workspace::Workspace;
+#[doc(hidden)]
+pub use wrenches::Wrench;
 
 pub(crate) use adjoint::{Adjoint, LinkAdjoint};
 #[doc(hidden)]

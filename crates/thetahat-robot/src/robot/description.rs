@@ -131,10 +131,20 @@ impl Robot {
         let coupled = self.transmission.coupled_motors();
         let motors: Vec<usize> = coupled.into_iter().filter_map(|i| joints.get(i).copied()).collect();
         let table = ParameterTable::new(&kinds, self.friction, &motors).with_terms(&self.terms);
-        // A joint that a loop moves has bearings, but no motor.
-        let of_motor = [JointQuantity::Ia, JointQuantity::Off].map(Quantity::Joint);
-        let is_passive = |p: &Parameter| of_motor.contains(&p.quantity) && self.joints[p.number - 1].passive;
-        if self.loops.is_empty() { table } else { table.without(is_passive) }
+        let root = self.root_joint();
+        if self.loops.is_empty() && root.is_none() { table } else { table.without(|p| self.lacks(p, root)) }
+    }
+
+    /// Whether a joint has no such parameter. One that a loop moves has bearings, but no motor; those of a base have neither, and
+    /// one body.
+    fn lacks(&self, parameter: &Parameter, root: Option<usize>) -> bool {
+        let joint = parameter.number - 1;
+        match parameter.quantity {
+            Quantity::Joint(JointQuantity::Ia | JointQuantity::Off) if self.joints[joint].passive => true,
+            Quantity::Joint(_) => self.joints[joint].of_base,
+            Quantity::Link(_) => self.joints[joint].of_base && Some(joint) != root,
+            Quantity::Motor(_) | Quantity::Term(_) => false,
+        }
     }
 
     /// The recorded channels that its terms use, without duplicates.

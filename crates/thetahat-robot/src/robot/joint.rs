@@ -77,6 +77,9 @@ pub struct Joint {
     pub also_follows: Vec<Share>,
     /// Whether loops of links move it: it has no motor, and no coordinate of its own.
     pub passive: bool,
+    /// Whether it is one of the six of a base that floats: its position is measured, it has no motor, and its link is massless but
+    /// for the root body.
+    pub of_base: bool,
     /// Its known limits.
     pub limits: Limits,
 }

@@ -20,6 +20,7 @@ mod branches;
 mod description;
 mod encoding;
 mod error;
+mod floating;
 mod joint;
 mod loading;
 mod locking;

@@ -1,6 +1,6 @@
 //! Checks whether a robot that was not read from a file is usable.
 
-use super::{Joint, Robot};
+use super::{Joint, Robot, floating::BASE_JOINTS};
 use thetahat_ground::vector::{IDENTITY, Mat3, cross, dot, norm, product, transpose};
 
 /// Largest difference of the entries of `R R^T` from those of the identity.
@@ -39,6 +39,11 @@ impl Robot {
         }
         if self.joints.iter().any(|joint| joint.passive) == self.loops.is_empty() {
             return fail("loops".to_owned(), "are needed with passive joints, and passive joints with loops");
+        }
+        if ![0, BASE_JOINTS].contains(&self.base_coordinates())
+            || !self.joints.iter().rev().is_sorted_by_key(|j| j.of_base)
+        {
+            return fail("base".to_owned(), "that floats has six joints, before all others, none of them locked");
         }
         if !self.gravity.iter().all(|g| g.is_finite()) {
             return fail("gravity".to_owned(), "is not finite");

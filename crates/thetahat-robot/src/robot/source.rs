@@ -3,6 +3,7 @@ use std::path::{Path, PathBuf};
 use super::{
     description::Robot,
     error::RobotError,
+    floating::Base,
     loading::{Loaded, expanded_name, load},
     locking::{Locks, LocksOf, merged, resolve_all},
     mjcf,
@@ -189,8 +190,8 @@ impl RobotSource {
             return toml_file::read(&self.text, &self.path, below, transmissions, locks);
         }
         let whole = match mjcf::is_mjcf(&self.text) {
-            true => mjcf::read(&self.text, &self.path, &self.origins, transmissions)?,
-            false => urdf::read(&self.text, &shown(&self.path), transmissions, locks)?,
+            true => mjcf::read(&self.text, &self.path, &self.origins, transmissions, Base::Fixed)?,
+            false => urdf::read(&self.text, &shown(&self.path), transmissions, locks, Base::Fixed)?,
         };
         let values = resolve_all(&whole.joints, locks)?;
         merged(&whole, &values).map_err(|source| RobotError::lock(&self.path, source))

@@ -28,6 +28,10 @@ pub(super) fn explained(
     let y: Vec<f64> = rows.iter().map(|&k| regression.y[k]).collect();
     let centred = less_mean(&y);
     let of_mean = norm(&centred).powi(2);
+    // The base of a robot in flight: what acts on it is zero, and nothing is left to explain.
+    if of_mean == 0.0 {
+        return None;
+    }
     let of_model = norm(&residual.concat()).powi(2);
     let independent = independent_rows(residual).floor() as usize;
     let test_of = |parameters: usize| {

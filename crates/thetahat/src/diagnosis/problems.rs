@@ -157,6 +157,7 @@ fn concern(code: Code) -> Concern {
         | Code::GainDrift
         | Code::FrictionDrift
         | Code::NotPhysical
-        | Code::RobotDescription => Concern::None,
+        | Code::RobotDescription
+        | Code::EquationsUsed => Concern::None,
     }
 }

@@ -18,8 +18,8 @@ pub(crate) fn residual(regression: &Regression, prediction: &[f64]) -> ResidualR
         explained: explained(regression, j, runs, &|j| absorbed[j]),
         ..joint_residual(j + 1, runs, usual_lags(shortest))
     };
-    // A joint that is fitted exactly, as one that is locked and without torque, has no residual to test.
-    let is_left = |joint: &JointResidual| joint.rms > 0.0;
+    // A joint that is fitted exactly, as one that is locked and without torque, or that has one row, has no residual to test.
+    let is_left = |joint: &JointResidual| joint.rms > 0.0 && joint.autocorrelation.is_finite();
     let whitened = regression.whiten(&residual);
     let whitened: Vec<Vec<f64>> = regression.layout.runs(&whitened).iter().map(|runs| runs.concat()).collect();
     let groups: Vec<&[f64]> =

@@ -12,7 +12,7 @@ use serde::{
     },
 };
 
-use super::{error::ExperimentError, paths};
+use super::{base::BaseDescription, error::ExperimentError, paths};
 use crate::preparation::{
     Case, EstimationOptions, ModelOptions, ParameterSelection, Payload, PreparationError, ReferenceCorrection,
     Settings, Setup, SignalOptions, SimulationOptions,
@@ -133,7 +133,7 @@ pub struct RecordingDescription {
     pub position: ChannelSource,
     /// Velocities, where they were recorded: the checks compare them with the positions; nothing else uses them.
     pub velocity: Option<ChannelSource>,
-    /// Torques or drive signals; without them only `cloe` estimates.
+    /// Torques or drive signals; without them only `cloe` estimates, or the equations of a base that floats.
     pub torque: Option<ChannelSource>,
     /// The reference of the positions, where it was recorded.
     pub reference: Option<ChannelSource>,
@@ -143,6 +143,9 @@ pub struct RecordingDescription {
     pub payload: Option<String>,
     /// A signal that was added to the drive signals after the controller; the torque channel includes it.
     pub added_signal: Option<ChannelSource>,
+    /// The pose of a base that floats, and what touches the robot.
+    #[doc(hidden)]
+    pub base: Option<BaseDescription>,
     /// Other channels by name, as the robot's torque terms take them, such as `temperature`: one column, or one for each
     /// coordinate.
     #[serde(default)]
@@ -153,7 +156,9 @@ impl RecordingDescription {
     /// The channels that it names.
     fn sources(&self) -> impl Iterator<Item = &ChannelSource> {
         let optional = [&self.time, &self.velocity, &self.torque, &self.reference, &self.added_signal];
-        [&self.position].into_iter().chain(optional.into_iter().flatten()).chain(self.channels.values())
+        let of_base = self.base.iter().flat_map(BaseDescription::sources);
+        let own = [&self.position].into_iter().chain(optional.into_iter().flatten());
+        own.chain(self.channels.values()).chain(of_base)
     }
 }
 

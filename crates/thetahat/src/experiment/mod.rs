@@ -14,12 +14,14 @@
 //! ```
 
 mod arrival_times;
+mod base;
 mod column_names;
 mod copies;
 mod delays;
 mod description;
 mod driver;
 mod error;
+mod floating;
 mod identified;
 mod missing_values;
 mod paths;
@@ -38,6 +40,8 @@ mod validation;
 
 pub(crate) use paths::path_in_project;
 
+#[doc(hidden)]
+pub use base::{BaseDescription, ContactDescription, Contacts, NamedContacts, Orientation, WrenchAxes};
 #[doc(hidden)]
 pub use description::{Experiment, ExperimentFile, RecordingDescription, TwinDescription, Unlisted};
 pub use driver::Driver;

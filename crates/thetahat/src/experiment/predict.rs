@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{
+    base::BaseDescription,
     description::{Experiment, RecordingDescription},
     error::ExperimentError,
     identified::{EstimateRequest, IdentifiedRobot},
@@ -102,6 +103,10 @@ fn described(experiment: &Experiment, request: &PredictionRequest) -> Result<Rec
     for channel in description.channels.values_mut() {
         channel.file.clone_from(&request.recording);
         channel.anywhere = true;
+    }
+    let base = description.base.iter_mut().flat_map(BaseDescription::sources_mut);
+    for source in base.filter(|source| source.file == chosen.position.file) {
+        rename_source(source, &request.recording, &[]);
     }
     description.velocity = None;
     description.reference = None;

@@ -4,10 +4,12 @@ use std::{collections::BTreeMap, path::Path};
 
 use super::{
     arrival_times::equal_times,
+    base::BaseDescription,
     copies::{selected, without_copies},
     delays::without_delays,
     description::{Experiment, RecordingDescription},
     error::ExperimentError,
+    floating::after_base,
     missing_values::complete_samples,
     repeated_rows::{bridged, repeated_rows},
 };
@@ -28,6 +30,7 @@ impl Experiment {
         data: &Path,
     ) -> Result<Recording, ExperimentError> {
         let position = self.read_joint_positions(&description.position, data)?;
+        let position = self.with_pose_of_base(description, data, position)?;
         let optional = |source: &Option<ChannelSource>, read: &dyn Fn(&ChannelSource) -> Result<Series, _>| {
             source.as_ref().map(read).transpose()
         };
@@ -68,6 +71,7 @@ impl Experiment {
         let recording = if is_held { recording.with_held_torque() } else { recording };
         let recording = recording.unwrapped(&self.robot);
         let recording = without_delays(recording.into_equal_steps(&clock), description);
+        let recording = self.with_contacts(description, recording)?;
         Ok(match &description.reference_correction {
             Some(correction) => recording.with_corrected_reference(correction),
             None => recording,
@@ -107,6 +111,7 @@ impl Experiment {
         data: &Path,
     ) -> Result<Recording, ExperimentError> {
         let position = self.read_joint_positions(&description.position, data)?;
+        let position = self.with_pose_of_base(description, data, position)?;
         let channels = read_other_channels(description, data, &position)?;
         let times = read_times(description, data, &position)?;
         let read = Recording { channels, ..Recording::without_torque(1.0, position) };
@@ -115,7 +120,7 @@ impl Experiment {
         let (read, clock) = clock_of_read(description, data, with_repeats_bridged(read), times)?;
         let recording = described(description, 1, data, read, &clock);
         let recording = recording.unwrapped(&self.robot);
-        Ok(without_delays(recording.into_equal_steps(&clock), description))
+        self.with_contacts(description, without_delays(recording.into_equal_steps(&clock), description))
     }
 
     fn read_joint_velocities(&self, source: &ChannelSource, data: &Path) -> Result<Series, ExperimentError> {
@@ -149,9 +154,10 @@ impl Experiment {
     /// Channels of the joints, with NaN where a value is missing.
     fn read_channels(&self, source: &ChannelSource, data: &Path) -> Result<Series, ExperimentError> {
         let series = recording::read_channels_with_missing_values(source, data)?;
-        let (expected, found) = (self.robot.coordinate_count(), series.channels());
+        let base = self.robot.base_coordinates();
+        let (expected, found) = (self.robot.coordinate_count() - base, series.channels());
         if found == expected {
-            return Ok(series);
+            return Ok(if base == 0 { series } else { after_base(&series, base) });
         }
         let place = source.path(data).display().to_string();
         Err(self.refuse(PreparationError::JointCount { place, expected, found }))
@@ -188,7 +194,7 @@ fn with_complete_samples(
     data: &Path,
     (mut read, times): (Recording, Option<Vec<f64>>),
 ) -> Result<(Recording, Option<Vec<f64>>), ExperimentError> {
-    let channel = |(name, source)| Some((source, read.channels.get(name)?));
+    let channel = |(name, source): (String, _)| Some((source, read.channels.get(&name)?));
     let time = times.as_ref().map(|times| Series::shaped(1, times.clone()));
     let signals = [
         description.time.as_ref().zip(time.as_ref()),
@@ -198,8 +204,9 @@ fn with_complete_samples(
         description.reference.as_ref().zip(read.reference.as_ref()),
         description.added_signal.as_ref().zip(read.added_signal.as_ref()),
     ];
-    let signals: Vec<_> =
-        signals.into_iter().flatten().chain(description.channels.iter().filter_map(channel)).collect();
+    let of_base = description.base.iter().flat_map(BaseDescription::channels);
+    let named = description.channels.iter().map(|(name, source)| (name.clone(), source)).chain(of_base);
+    let signals: Vec<_> = signals.into_iter().flatten().chain(named.filter_map(channel)).collect();
     let Some(complete) = complete_samples(&signals, data)? else { return Ok((read, times)) };
     let samples = read.position.len();
     read.notes.push(format!(
@@ -316,7 +323,9 @@ fn read_other_channels(
         recording::same_length(position, "position", &file, &series, name, &source.path(data))?;
         Ok((name.clone(), series))
     };
-    description.channels.iter().map(read).collect()
+    let of_base = description.base.iter().flat_map(BaseDescription::channels);
+    let of_base = of_base.map(|(name, source)| read((&name, source)));
+    description.channels.iter().map(read).chain(of_base).collect()
 }
 
 /// The recorded times in s; none if a rate is stated.

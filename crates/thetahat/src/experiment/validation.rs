@@ -1,6 +1,7 @@
 //! What an experiment file must hold before anything is read or run.
 
 use super::{
+    base::BaseDescription,
     description::{Experiment, RecordingDescription, TwinDescription},
     error::ExperimentError,
 };
@@ -58,6 +59,7 @@ impl Experiment {
             let why = "reference_correction puts a recorded reference right";
             recording.reference.as_ref().map(|_| ()).ok_or_else(|| self.missing("[recording] reference", why))?;
         }
+        recording.base.iter().try_for_each(BaseDescription::require_units)?;
         if let Some(signal) = &recording.added_signal {
             signal.require_dimension("added signal", &DRIVE)?;
         }
@@ -106,12 +108,15 @@ impl Experiment {
             JointKind::Prismatic => linear,
         };
         let joints: Vec<(&str, Dimension)> =
-            self.robot.coordinates().map(|j| (j.name.as_str(), dimension(j.kind))).collect();
+            self.robot.coordinates().filter(|j| !j.of_base).map(|j| (j.name.as_str(), dimension(j.kind))).collect();
         Ok(source.require_dimensions(signal, &joints)?)
     }
 
     fn validate_twin(&self, twin: &TwinDescription) -> Result<(), ExperimentError> {
         let n = self.robot.coordinate_count();
+        let (key, expected) =
+            ("[twin]", "a robot whose base is fixed: a twin's loop moves its joints, and nothing would move the base");
+        self.require(self.robot.base_coordinates() == 0, key, expected, "a base that floats")?;
         let sensors = &twin.sensors;
         let lists = [
             ("sensors.torque_noise", &sensors.torque_noise),

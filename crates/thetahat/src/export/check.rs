@@ -43,7 +43,7 @@ impl Export {
     pub fn check(&self) -> Result<f64, ExportError> {
         match self.format {
             ExportFormat::Urdf => compare(&self.represented, &read_back(&self.text, &self.represented.robot)?),
-            ExportFormat::Mjcf if self.has_written_loops() => {
+            ExportFormat::Mjcf if self.is_written_and_read() => {
                 compare(&self.represented, &read_back(&self.text, &self.represented.robot)?)
             }
             ExportFormat::Mjcf => compare(&self.represented, &self.read_model()?),
@@ -58,9 +58,11 @@ impl Export {
         }
     }
 
-    /// Whether the file has loops of ours, and no tendons, which a robot description does not read.
-    fn has_written_loops(&self) -> bool {
-        !self.represented.robot.loops.is_empty() && self.represented.tendons.is_empty() && !self.is_edited_model
+    /// Whether the file has loops or a floating base of ours, and no tendons, which a robot description does not read.
+    fn is_written_and_read(&self) -> bool {
+        let robot = &self.represented.robot;
+        let is_more = !robot.loops.is_empty() || robot.base_coordinates() > 0;
+        is_more && self.represented.tendons.is_empty() && !self.is_edited_model
     }
 
     fn compare_actuators(&self, format: ActuatorFormat) -> Result<f64, ExportError> {
@@ -78,11 +80,17 @@ impl Export {
 /// The robot of a file, with the joints locked that the exported robot has locked, and its gravity.
 fn read_back(text: &str, exported: &Robot) -> Result<Robot, RobotError> {
     let path = Path::new("the export");
-    let whole = RobotSource::from_text(text.to_owned(), path)?.robot_without_transmission()?;
+    let text = if exported.base_coordinates() > 0 { on_floating_base(text) } else { text.to_owned() };
+    let whole = RobotSource::from_text(text, path)?.robot_without_transmission()?;
     let robot = whole
         .with_locks(&Locks::restating(&exported.locked, &whole.joints))
         .map_err(|source| RobotError::Lock { path: path.to_owned(), source: Box::new(source) })?;
     Ok(Robot { gravity: exported.gravity, ..robot })
+}
+
+/// A description of the file's robot on a base that floats.
+fn on_floating_base(text: &str) -> String {
+    format!("floating_base = true\nurdf_text = {}\n", toml::Value::String(text.to_owned()))
 }
 
 /// The place of each joint that was read among those of the robot: the file may list them in another order.

@@ -90,6 +90,18 @@ pub enum ExportError {
         /// The format.
         format: ExportFormat,
     },
+    /// A base that floats, which a format does not have.
+    #[error(
+        "the base of the robot floats, and {} without a floating base or coupled motors on it; URDF, SDF, MJCF and JSON have the robot",
+        match format {
+            Some(format) => format!("{} is written", format.title()),
+            None => "a MuJoCo model of your own is edited".to_owned(),
+        }
+    )]
+    FloatingBase {
+        /// The format; none for a model of the user's own.
+        format: Option<ExportFormat>,
+    },
     /// A loop that keeps two points at a distance, which an MJCF has not.
     #[error(
         "loop `{name}` keeps two points at a distance, and an MJCF has no such constraint; JSON has, and a MuJoCo model of your own \

@@ -34,6 +34,11 @@ impl LinkFrame {
         }
     }
 
+    /// The frame of the root body of a base that floats, in the pose zero.
+    pub(super) fn of_root(robot: &Robot, root: usize) -> Self {
+        Self { rotation: IDENTITY, origin: [0.0; 3], ..Self::of(robot, root) }
+    }
+
     /// The angles of `Rot(z, yaw) Rot(y, pitch) Rot(x, roll)`: roll, pitch, yaw, rad.
     pub(super) fn roll_pitch_yaw(&self) -> Vec3 {
         let r = &self.rotation;

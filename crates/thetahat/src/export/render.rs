@@ -103,6 +103,7 @@ pub(super) fn export_with_loop(
     let keeps_the_file = matches!((target, urdf), (Target::File(ExportFormat::Urdf), Some(_)));
     require_one_leader(robot, target.format(), keeps_the_file)?;
     require_loops(robot, target)?;
+    require_base(robot, target)?;
     let servos = match target {
         Target::File(ExportFormat::Mjcf) => pd.map(|pd| Servos::of(pd, robot, parameters)),
         Target::File(
@@ -145,6 +146,21 @@ pub(super) fn export_with_loop(
         represented,
         is_edited_model,
     })
+}
+
+/// That the base is fixed, where the format has no other.
+fn require_base(robot: &Robot, target: Target<'_>) -> Result<(), ExportError> {
+    if robot.base_coordinates() == 0 {
+        return Ok(());
+    }
+    match target {
+        Target::Into(_) => Err(ExportError::FloatingBase { format: None }),
+        Target::File(ExportFormat::Mjcf) if robot.transmission.coupled_motors().is_empty() => Ok(()),
+        Target::File(ExportFormat::Urdf | ExportFormat::Sdf | ExportFormat::Json) => Ok(()),
+        Target::File(format @ (ExportFormat::Mjcf | ExportFormat::Pace | ExportFormat::Isaac | ExportFormat::Bam)) => {
+            Err(ExportError::FloatingBase { format: Some(format) })
+        }
+    }
 }
 
 /// That the robot is a tree, where the format has no loops.

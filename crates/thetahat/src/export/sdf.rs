@@ -15,16 +15,20 @@ pub(super) fn sdf(represented: &RepresentedRobot, header: &str) -> String {
     let version = if robot.joints.iter().any(|j| j.mimic.is_some()) { "1.11" } else { "1.9" };
     let mut lines =
         vec![format!("<sdf version=\"{version}\">"), format!("  <model name=\"{}\">", escaped(&robot.name))];
-    (0..robot.joints.len()).for_each(|k| lines.extend(link(represented, k)));
-    (0..robot.joints.len()).for_each(|k| lines.extend(joint(represented, k)));
+    // A link that no joint holds moves freely.
+    let base = robot.base_coordinates();
+    (base.saturating_sub(1)..robot.joints.len()).for_each(|k| lines.extend(link(represented, k)));
+    (base..robot.joints.len()).for_each(|k| lines.extend(joint(represented, k)));
     lines.extend(["  </model>", "</sdf>"].map(str::to_owned));
     format!("<?xml version=\"1.0\"?>\n{header}{}\n", lines.join("\n"))
 }
 
 fn link(represented: &RepresentedRobot, k: usize) -> Vec<String> {
-    let frame = LinkFrame::of(&represented.robot, k);
+    let own = &represented.robot.joints[k];
+    let frame =
+        if own.of_base { LinkFrame::of_root(&represented.robot, k) } else { LinkFrame::of(&represented.robot, k) };
     let body = Body::new(represented.inertial_of(k));
-    let within = represented.robot.joints[k].parent.map_or_else(|| "__model__".to_owned(), link_name);
+    let within = own.parent.filter(|_| !own.of_base).map_or_else(|| "__model__".to_owned(), link_name);
     let pose = [frame.origin, frame.roll_pitch_yaw()].concat();
     let keys = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
     let inertia: String = keys.iter().zip(body.six()).map(|(k, v)| format!("<{k}>{}</{k}>", number(v))).collect();

@@ -4,17 +4,25 @@ use std::path::Path;
 
 use roxmltree::{Document, Node};
 
-use super::{editor, error::ExportError, read_back::ReadLink, represented::RepresentedRobot};
-use thetahat_ground::vector::{Mat3, norm, scale, with_z};
+use super::{editor, error::ExportError, frames::link_name, read_back::ReadLink, represented::RepresentedRobot};
+use thetahat_ground::vector::{IDENTITY, Mat3, norm, scale, transpose, with_z};
 use thetahat_model::robot::{Frame, Joint, RigidBody, parse_xml, roll_pitch_yaw};
 
 /// The links of the exported robot as the file has them.
 pub(super) fn read(text: &str, represented: &RepresentedRobot) -> Result<Vec<ReadLink>, ExportError> {
     let document: Document<'_> = parse_xml(text, Path::new("the export")).map_err(|e| missing(&e.to_string()))?;
     let model = child(document.root_element(), "model")?;
-    let links: Vec<Link<'_>> =
-        represented.robot.joints.iter().map(|joint| Link::read(model, joint)).collect::<Result<_, _>>()?;
+    let robot = &represented.robot;
+    let root = robot.root_joint().map(link_name).unwrap_or_default();
+    let of_joint = |(k, joint): (usize, &Joint)| match (joint.of_base, Some(k) == robot.root_joint()) {
+        (false, _) => Link::read(model, joint),
+        (true, is_root) => Link::of_base(model, joint, is_root.then_some(root.as_str())),
+    };
+    let links: Vec<Link<'_>> = robot.joints.iter().enumerate().map(of_joint).collect::<Result<_, _>>()?;
     let read = |(link, joint): (&Link<'_>, &Joint)| {
+        if joint.of_base {
+            return Ok(link.read_of_base(joint));
+        }
         let before = joint.parent.map(|parent| &links[parent]);
         if link.carrier != before.map_or("world", |before| before.name) {
             return Err(missing(&format!("joint `{}` on the link that carries it", joint.name)));
@@ -52,29 +60,52 @@ impl<'a> Link<'a> {
         let element = named(model, "joint", &joint.name)?;
         let name = text(child(element, "child")?);
         let link = named(model, "link", name)?;
+        let body = body_of(link)?;
         let axis = child(element, "axis")?;
         let dynamics = child(axis, "dynamics")?;
         let direction: [f64; 3] = numbers(child(axis, "xyz")?)?;
-        let inertial = child(link, "inertial")?;
-        let inertia = child(inertial, "inertia")?;
-        let entry = |tag| number(inertia, tag);
-        let (xx, xy, xz, yy, yz, zz) =
-            (entry("ixx")?, entry("ixy")?, entry("ixz")?, entry("iyy")?, entry("iyz")?, entry("izz")?);
-        let body = RigidBody {
-            m: number(inertial, "mass")?,
-            ms: [0.0; 3],
-            inertia: [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]],
-        };
         Ok(Self {
             name,
             carrier: text(child(element, "parent")?),
             frame: pose(link)?,
             axes: with_z(scale(1.0 / norm(direction), direction)),
-            body: body.seen_in(&pose(inertial)?),
+            body,
             damping: number(dynamics, "damping")?,
             friction: number(dynamics, "friction")?,
         })
     }
+
+    /// One of a base that floats, which has no joint in the file: the root body by its name, or a massless one.
+    fn of_base(model: Node<'a, 'a>, joint: &Joint, root: Option<&'a str>) -> Result<Self, ExportError> {
+        let body = root.map(|name| body_of(named(model, "link", name)?)).transpose()?.unwrap_or_default();
+        let axes = transpose(&joint.link_axes.unwrap_or(IDENTITY));
+        let name = root.unwrap_or_default();
+        Ok(Self { name, carrier: "", frame: Frame::SAME, axes, body, damping: 0.0, friction: 0.0 })
+    }
+
+    fn read_of_base(&self, joint: &Joint) -> ReadLink {
+        let to_link = Frame { rotation: transpose(&self.axes), origin: [0.0; 3] };
+        ReadLink {
+            joint: Frame { rotation: joint.placement.rotation(), origin: joint.placement.origin },
+            in_joint: self.body.seen_in(&to_link).parameters(),
+            in_link: self.body.parameters(),
+            armature: 0.0,
+            damping: 0.0,
+            friction: 0.0,
+        }
+    }
+}
+
+/// The body of a link.
+fn body_of(link: Node<'_, '_>) -> Result<RigidBody, ExportError> {
+    let inertial = child(link, "inertial")?;
+    let inertia = child(inertial, "inertia")?;
+    let entry = |tag| number(inertia, tag);
+    let (xx, xy, xz) = (entry("ixx")?, entry("ixy")?, entry("ixz")?);
+    let (yy, yz, zz) = (entry("iyy")?, entry("iyz")?, entry("izz")?);
+    let inertia = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+    let body = RigidBody { m: number(inertial, "mass")?, ms: [0.0; 3], inertia };
+    Ok(body.seen_in(&pose(inertial)?))
 }
 
 fn missing(what: &str) -> ExportError {

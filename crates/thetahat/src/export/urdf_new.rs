@@ -9,6 +9,8 @@ use super::{
 };
 use thetahat_model::robot::{Joint, JointKind, JointQuantity, Robot};
 
+/// The link of the base.
+const BASE_LINK: &str = "base_link";
 /// A limit that is not known: URDF must have one, and readers would take zero literally.
 const UNKNOWN: f64 = 1e9;
 
@@ -16,26 +18,31 @@ const UNKNOWN: f64 = 1e9;
 /// motors are coupled.
 pub(super) fn urdf(represented: &RepresentedRobot, header: &str, reductions: Option<&[f64]>) -> String {
     let robot = &represented.robot;
-    let mut lines =
-        vec![format!("<robot name=\"{}\">", escaped(&robot.name)), "  <link name=\"base_link\"/>".to_owned()];
-    for k in 0..robot.joints.len() {
-        let body = Body::new(represented.inertial_of(k));
-        lines.push(format!("  <link name=\"{}\">", link_name(k)));
-        lines.push(inertial_lines(&body, "  ", "\n"));
-        lines.push("  </link>".to_owned());
+    let mut lines = vec![format!("<robot name=\"{}\">", escaped(&robot.name))];
+    match robot.root_joint() {
+        None => lines.push("  <link name=\"base_link\"/>".to_owned()),
+        Some(root) => lines.extend(link(represented, root, BASE_LINK)),
     }
-    (0..robot.joints.len()).for_each(|k| lines.extend(joint(represented, k)));
+    let own = robot.base_coordinates()..robot.joints.len();
+    own.clone().for_each(|k| lines.extend(link(represented, k, &link_name(k))));
+    own.for_each(|k| lines.extend(joint(represented, k)));
     let ratios = reductions.into_iter().flatten().zip(robot.coordinates());
     lines.extend(ratios.filter(|(ratio, _)| **ratio != 1.0).map(|(ratio, joint)| transmission(joint, *ratio)));
     lines.push("</robot>".to_owned());
     format!("<?xml version=\"1.0\"?>\n{header}{}\n", lines.join("\n"))
 }
 
+fn link(represented: &RepresentedRobot, k: usize, name: &str) -> [String; 3] {
+    let body = Body::new(represented.inertial_of(k));
+    [format!("  <link name=\"{name}\">"), inertial_lines(&body, "  ", "\n"), "  </link>".to_owned()]
+}
+
 fn joint(represented: &RepresentedRobot, k: usize) -> Vec<String> {
     let RepresentedRobot { robot, .. } = represented;
     let joint = &robot.joints[k];
     let frame = LinkFrame::of(robot, k);
-    let parent = joint.parent.map_or_else(|| "base_link".to_owned(), link_name);
+    let parent = joint.parent.filter(|parent| Some(*parent) != robot.root_joint());
+    let parent = parent.map_or_else(|| BASE_LINK.to_owned(), link_name);
     let [damping, friction] = [JointQuantity::Fv, JointQuantity::Fc].map(|q| number(represented.of_joint(q, k)));
     let mut lines = vec![
         format!("  <joint name=\"{}\" type=\"{}\">", escaped(&joint.name), kind(joint)),

@@ -67,6 +67,9 @@ pub fn choose_filter(
     if !robot.channels().is_empty() {
         return Err(FilterChoiceError::Channels);
     }
+    if robot.base_coordinates() > 0 {
+        return Err(FilterChoiceError::FloatingBase);
+    }
     recordings.iter().try_for_each(|recording| recording.validate(robot.coordinate_count()))?;
     let with_torque = recordings.iter().filter(|r| r.torque.is_some());
     let longest = with_torque.max_by_key(|r| r.position.len()).ok_or(FilterChoiceError::NoTorque)?;

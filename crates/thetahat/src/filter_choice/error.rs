@@ -29,6 +29,11 @@ pub enum FilterChoiceError {
     /// Torque terms take recorded channels, which twins do not have.
     #[error("torque terms use recorded channels, which a twin does not have; choose the filter without these terms")]
     Channels,
+    /// The base floats, and twins of the recording have a loop that moves joints alone.
+    #[error(
+        "the base of the robot floats, and a filter is chosen on copies of a closed loop, which none moves; keep the stated one"
+    )]
+    FloatingBase,
     /// There is no recording with torques.
     #[error("no recording has torques: a filter is chosen from what it does to the estimates")]
     NoTorque,

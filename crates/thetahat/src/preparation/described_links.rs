@@ -3,17 +3,21 @@
 use super::{
     error::PreparationError,
     physical::validate_known,
-    settings::{NamedChoice, ParameterChoice, Settings},
+    settings::{EstimationOptions, NamedChoice, ParameterChoice, Settings},
 };
+use thetahat_estimation::identification::Method;
 use thetahat_model::robot::{LinkQuantity, Quantity, Robot};
 
 impl Settings {
-    /// The settings for a robot: where only the drives are estimated, its links have the values of its description. Values that
-    /// are given stay.
+    /// The settings for a robot: where only the drives are estimated, its links have the values of its description, and values that
+    /// are given stay. On a base that floats the default methods are those that simulate nothing.
     ///
     /// # Errors
     /// [`PreparationError::Value`] for a link without a mass in the description.
     pub fn for_robot(mut self, robot: &Robot) -> Result<Self, PreparationError> {
+        if robot.base_coordinates() > 0 && self.estimation.methods == EstimationOptions::default().methods {
+            self.estimation.methods = vec![Method::IDIM_LS, Method::IDIM_WLS];
+        }
         if self.parameters.estimate != ParameterChoice::Named(NamedChoice::Drives) {
             return Ok(self);
         }
@@ -42,7 +46,8 @@ pub(crate) fn describes_links(robot: &Robot) -> bool {
 fn link_without_mass(robot: &Robot) -> Option<&str> {
     let (table, values) = (robot.parameter_table(), robot.a_priori_parameters());
     let is_massless = |j: &usize| table.value(&values, Quantity::Link(LinkQuantity::M), *j) <= 0.0;
-    (0..robot.joints.len()).find(is_massless).map(|j| robot.joints[j].name.as_str())
+    let with_link = robot.base_coordinates().saturating_sub(1)..robot.joints.len();
+    with_link.into_iter().find(is_massless).map(|j| robot.joints[j].name.as_str())
 }
 
 /// Names and described values of all inertial parameters of links.

@@ -48,6 +48,8 @@ pub(crate) struct FilteredRecording {
     pub(crate) window: Range<usize>,
     /// Samples, counted in the window, that make no rows: gaps, and what the position filter made of them.
     pub(crate) left_out: Vec<Range<usize>>,
+    /// The samples of the window whose rows have no known right-hand side; none if all have one.
+    pub(crate) unused: Option<Arc<RowMask>>,
     /// What counts as near rest; none if every sample makes rows.
     pub(crate) near_rest: Option<NearRest>,
     /// The channels that torque terms take, over the whole recording, filtered as the positions are.
@@ -78,7 +80,19 @@ impl Setup<'_> {
         let motion = Motion { q: cut(&q), dq: cut(&dq), ddq: cut(&ddq) };
         self.require_closed_loops(&recording, &motion.q, window.start)?;
         let left_out = left_out(&recording.gaps, &window, rate, options.cutoff_hz);
-        Ok(FilteredRecording { motion, payload_torque, fixed_torque, recording, window, left_out, near_rest, channels })
+        let unused = unused_rows(&recording, &window).map(Arc::new);
+        require_force(&recording, &window, unused.as_deref())?;
+        Ok(FilteredRecording {
+            motion,
+            payload_torque,
+            fixed_torque,
+            recording,
+            window,
+            left_out,
+            unused,
+            near_rest,
+            channels,
+        })
     }
 
     /// The loops of links must be closed at every position; `first` is the sample of the recording at which they start.
@@ -252,6 +266,28 @@ fn with_note_of_ends(mut recording: Recording, cutoff_hz: f64, [starts, ends]: [
     recording
 }
 
+/// The rows of a window that are not used.
+fn unused_rows(recording: &Recording, window: &Range<usize>) -> Option<RowMask> {
+    let in_window = |k: usize| k.clamp(window.start, window.end) - window.start;
+    let parts = recording.unused_rows.iter();
+    let parts = parts.map(|(of, at)| (of.clone(), in_window(at.start)..in_window(at.end))).collect::<Vec<_>>();
+    RowMask::leaving_out(recording.position.channels(), window.len(), &parts)
+}
+
+/// Where rows are left out, a force or a torque must be in the others: without one any scale of the parameters fits.
+fn require_force(
+    recording: &Recording,
+    window: &Range<usize>,
+    unused: Option<&RowMask>,
+) -> Result<(), PreparationError> {
+    let (Some(torque), Some(unused)) = (&recording.torque, unused) else { return Ok(()) };
+    let used = unused.applied_to(&torque.window(window.clone()));
+    let place = format!("recording {}", recording.name);
+    let expected = "torques, or forces of contacts that were measured: without either the scale of all masses is free";
+    let is_known = used.values().iter().any(|value| *value != 0.0);
+    PreparationError::require(is_known, &place, expected, "rows without any force")
+}
+
 /// The samples of a window that make no rows. A gap of at most half a period of the cut-off is bridged well: it is left out
 /// with as much on each side. Across a longer one the motion is not known: there the filter's transients are cut as at the ends
 /// of a recording.
@@ -282,8 +318,9 @@ impl FilteredRecording {
 
     /// The samples of its window that are near rest, of a model with these parameters; none if all make rows.
     pub(crate) fn mask(&self, model: &Model, parameters: &[usize]) -> Option<Arc<RowMask>> {
-        let rule = self.near_rest.as_ref()?;
-        RowMask::near_rest(&Jump::among(model, parameters), &self.motion.dq, rule).map(Arc::new)
+        let Some(rule) = &self.near_rest else { return self.unused.clone() };
+        let jumps = Jump::among(model, parameters);
+        RowMask::near_rest_among(&jumps, &self.motion.dq, rule, self.unused.as_deref()).map(Arc::new)
     }
 
     /// The samples of the window that make rows, counted in the window.

@@ -122,6 +122,7 @@ mod tests {
             fixed_torque: None,
             window: 0..1000,
             near_rest: None,
+            unused: None,
             left_out: Vec::new(),
             channels: None,
         }

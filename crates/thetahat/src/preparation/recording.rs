@@ -28,6 +28,13 @@ pub struct Recording {
     /// Samples that were not recorded, in ranges that rise: the series go on smoothly there. Their rows are left out of the
     /// regression, with those that a filter made of them.
     pub gaps: Vec<Range<usize>>,
+    /// Coordinates and samples that make no rows, because what acts on them is not known: those of a base that is held, or of legs
+    /// with a contact that was not measured.
+    #[doc(hidden)]
+    pub unused_rows: Vec<(Range<usize>, Range<usize>)>,
+    /// Why these are not known, in sentences.
+    #[doc(hidden)]
+    pub notes_of_base: Vec<String>,
     /// A column of times in its file and their rate, Hz, where another rate is stated.
     pub contradicting_times: Option<(String, f64)>,
     /// What was changed when it was read, in sentences: angles unwrapped, copies left out, a coarse clock.
@@ -84,6 +91,8 @@ impl Recording {
             time_stamps_s: None,
             resampling: None,
             gaps: Vec::new(),
+            unused_rows: Vec::new(),
+            notes_of_base: Vec::new(),
             contradicting_times: None,
             notes: Vec::new(),
             window_s: [None, None],

@@ -38,6 +38,7 @@ impl Settings {
         self.validate_fixed(robot)?;
         self.validate_methods()?;
         self.validate_terms(robot)?;
+        self.validate_floating(robot)?;
         self.validate_weighting()?;
         self.validate_convergence()?;
         if let Some(controller) = &self.controller {
@@ -230,6 +231,22 @@ impl Settings {
                     "idim-ls or idim-wls: the torque term of {term} depends on ddq, which {method} does not simulate"
                 );
                 Err(PreparationError::value("methods", &expected, method))
+            }
+        }
+    }
+
+    /// A loop of joints alone does not move a base that floats: nothing simulates what touches it.
+    fn validate_floating(&self, robot: &Robot) -> Checked {
+        if robot.base_coordinates() == 0 {
+            return Ok(());
+        }
+        match self.all_methods().into_iter().find(|method| method.needs() != Needs::Measurement) {
+            None => Ok(()),
+            Some(method) => {
+                let expected = format!(
+                    "idim-ls or idim-wls for a robot on a base that floats: {method} simulates a closed loop, and none moves the base"
+                );
+                Err(PreparationError::value("[estimation] methods", &expected, method))
             }
         }
     }

@@ -66,6 +66,11 @@ impl Experiment {
             let expected = "no torque term of a recorded channel: a reduction does not read it; use thetahat identify";
             return Err(self.refuse(PreparationError::value("[[term]]", expected, channel)).into());
         }
+        if self.robot.base_coordinates() > 0 {
+            let expected =
+                "a robot whose base is fixed: a reduction does not read [recording.base]; use thetahat identify";
+            return Err(self.refuse(PreparationError::value("robot", expected, "a base that floats")).into());
+        }
         self.settings.require_stated_cutoff("a reduction reads in pieces").map_err(|e| self.refuse(e))?;
         let Basis { model, base } = self.setup().basis(&Case::nominal()).map_err(|e| self.refuse(e))?;
         let theta = instruments.map(|named| self.base_values(&model, &base, named)).transpose()?;

@@ -52,7 +52,38 @@ pub(crate) fn examine(
         controller: setup.settings.controller.as_ref(),
         ..subject_of(setup, filtered, model, (&base, &all))
     };
-    RecordingFindings { recording: recording.name.clone(), held_back, findings: checks::examine(&subject) }
+    let mut findings = checks::examine(&subject);
+    findings.extend(equations_used(setup.robot, filtered));
+    RecordingFindings { recording: recording.name.clone(), held_back, findings }
+}
+
+/// The note of a base that floats: which equations are used, and when.
+fn equations_used(robot: &Robot, filtered: &FilteredRecording) -> Option<Finding> {
+    let base = robot.base_coordinates();
+    if base == 0 {
+        return None;
+    }
+    let left_out = filtered.unused.as_ref().map_or_else(|| vec![0.0; robot.coordinate_count()], |mask| mask.left_out());
+    let used = |parts: &[f64]| 100.0 * (1.0 - parts.iter().sum::<f64>() / parts.len().max(1) as f64);
+    let [of_base, of_joints] = [used(&left_out[..base]), used(&left_out[base..])];
+    let reasons = &filtered.recording.notes_of_base;
+    let why =
+        if reasons.is_empty() { "what touches the robot was measured, or nothing does" } else { &reasons.join("; ") };
+    Some(Finding {
+        code: Code::EquationsUsed,
+        severity: Severity::Note,
+        joint: None,
+        joint_name: None,
+        value: of_base,
+        unit: "% of the window".to_owned(),
+        limit: None,
+        message: format!(
+            "the six equations of the base are used in {of_base:.0} % of the window, those of the joints in {of_joints:.0} %: {why}"
+        ),
+        remedy: "nothing to do; forces of contacts, torques, and times without contact give more equations".to_owned(),
+        parameters: Vec::new(),
+        step: None,
+    })
 }
 
 /// A recording with its signals as they are filtered, without reference and controller.
@@ -73,7 +104,8 @@ fn subject_of<'a>(
         position: &recording.position,
         geared: recording.geared,
         velocity: recording.velocity.as_ref(),
-        torque: recording.torque.as_ref(),
+        // Forces of contacts are added to these torques, and jump, and some rows are not used: the checks of torques expect neither.
+        torque: recording.torque.as_ref().filter(|_| setup.robot.base_coordinates() == 0),
         reference: None,
         reconstructed_deviation: None,
         held_part_of_step: recording.held_part_of_step(),

@@ -15,6 +15,7 @@ mod dynamics_identities;
 mod ends_in_motion;
 mod exports;
 mod filter_choice;
+mod floating;
 mod followed_twin;
 mod gaps;
 mod hidden_bias;

@@ -38,7 +38,7 @@ pub const LINK_QUANTITIES: [(&str, &str); 3] = [
 ];
 
 /// Code, severities, evidence, and what to do.
-pub const FINDINGS: [[&str; 4]; 42] = [
+pub const FINDINGS: [[&str; 4]; 43] = [
     [
         "position-scale",
         "problem",
@@ -285,6 +285,12 @@ pub const FINDINGS: [[&str; 4]; 42] = [
         "warning",
         "of the URDF: negative masses, damping or friction, physically impossible inertias; they are used as they are",
         "correct the description",
+    ],
+    [
+        "equations-used",
+        "note",
+        "a robot on a base that floats: the part of the window in which the six equations of the base, and those of the joints, are used",
+        "nothing to do; measured forces, torques and times without contact give more equations",
     ],
 ];
 

@@ -112,3 +112,56 @@ fn friction_is_the_frictionloss_of_mujoco() {
         same(&found.map(|(_, value)| *value).collect::<Vec<_>>(), &frictionloss, &name);
     }
 }
+
+#[derive(Deserialize)]
+struct FloatingValues {
+    model: Vec<FloatingModel>,
+}
+
+#[derive(Deserialize)]
+struct FloatingModel {
+    name: String,
+    state: Vec<FloatingState>,
+}
+
+#[derive(Deserialize)]
+struct FloatingState {
+    q: Vec<f64>,
+    dq: Vec<f64>,
+    ddq: Vec<f64>,
+    tau: Vec<f64>,
+}
+
+/// Largest difference of a base that floats, relative to the largest entry: the angular velocity is along other axes in MuJoCo.
+const TURNED: f64 = 1e-8;
+
+/// `phi theta` and inverse dynamics of the quadruped of `floating`, with the free joint's values turned by `make_floating.py`.
+#[test]
+fn a_base_that_floats_is_that_of_mujoco() {
+    let values: FloatingValues = toml::from_str(include_str!("floating.toml")).unwrap();
+    assert_eq!(values.model.len(), 1);
+    for FloatingModel { name, state } in values.model {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/dynamics/mujoco_reference/floating/floating.toml");
+        let text = format!("mjcf = '{name}.xml'\nfloating_base = true\n");
+        let robot = Robot::parse(&text, &path).unwrap();
+        let (model, mut theta) = (Model::new(&robot), robot.a_priori_parameters());
+        let is_dry = |quantity: Quantity| quantity.role() == Role::CoulombFriction;
+        let table = model.parameter_table();
+        theta.iter_mut().zip(table.iter()).filter(|(_, p)| is_dry(p.quantity)).for_each(|(value, _)| *value = 0.0);
+        assert_eq!((robot.coordinate_count(), robot.base_coordinates(), robot.root_joint()), (18, 6, Some(5)));
+        let all: Vec<usize> = (0..theta.len()).collect();
+        let regressor = crate::regressor::Regressor::new(&model, &all);
+        for FloatingState { q, dq, ddq, tau } in state {
+            let row = |values: &[f64]| thetahat_ground::series::Series::shaped(values.len(), values.to_vec());
+            let found = regressor.torques(&model, [&row(&q), &row(&dq), &row(&ddq)], Sign::Exact, &theta);
+            let mut inverse = vec![0.0; q.len()];
+            let parameters = DynamicParameters::new(&model, &theta).unwrap();
+            let at = State::new(&q, &dq);
+            model.inverse_dynamics(&parameters, at, &ddq, Sign::Exact, &mut Workspace::new(&model), &mut inverse);
+            let largest = tau.iter().fold(ZERO, |largest, value| largest.max(value.abs()));
+            for (expected, found) in tau.iter().zip(found.values()).chain(tau.iter().zip(&inverse)) {
+                assert!((found - expected).abs() <= TURNED * largest, "{name}: {found} against {expected}");
+            }
+        }
+    }
+}

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::places::{frame_in_carrier, new_indices, places};
-use crate::robot::{Robot, RobotError, Solid, body::Frame, urdf};
+use crate::robot::{Robot, RobotError, Solid, body::Frame, floating::Base, urdf};
 use thetahat_ground::vector::{Mat3, Vec3, product, times};
 
 /// A link of a URDF as a part of a moving link: the link of the moving joint itself, or one fixed or locked to it.
@@ -56,12 +56,18 @@ impl Robot {
     /// [`RobotError`] for a text that is not a URDF.
     #[doc(hidden)]
     pub fn parts_of_urdf(&self, text: &str, path: &Path) -> Result<Vec<LinkPart>, RobotError> {
-        let whole = urdf::read(text, path, urdf::Transmissions::Ignored, &[])?;
+        let base = Base::of(self.base_coordinates() > 0);
+        let whole = urdf::read(text, path, urdf::Transmissions::Ignored, &[], base)?;
+        let carrying = |link: &urdf::LinkBody| match link.carrier {
+            Some(joint) => Some(joint + whole.base_coordinates()),
+            None => whole.root_joint(),
+        };
         let value = |name: &str| self.locked.iter().find(|l| l.name == name).map(|l| l.value);
         let locked: Vec<Option<f64>> = whole.joints.iter().map(|joint| value(&joint.name)).collect();
         let (places, numbers) = (places(&whole.joints, &locked), new_indices(&locked));
         let part = |link: urdf::LinkBody| {
-            let place = link.carrier.map(|joint| (joint, places[joint]));
+            let place = carrying(&link).map(|joint| (joint, places[joint]));
+            let is_carrier = link.is_carrier || (link.is_root && place.is_some());
             let frame = match place {
                 Some((joint, place)) if locked[joint].is_some() => frame_in_carrier(&whole, joint, &place),
                 Some(_) | None => Frame::SAME,
@@ -71,7 +77,7 @@ impl Robot {
             let (rotation, origin) = self.in_joint(carrier, &in_carrier);
             LinkPart {
                 carrier,
-                is_carrier: link.is_carrier && place.is_some_and(|(joint, _)| locked[joint].is_none()),
+                is_carrier: is_carrier && place.is_some_and(|(joint, _)| locked[joint].is_none()),
                 own: link.body.parameters(),
                 in_carrier: link.body.seen_in(&in_carrier).parameters(),
                 placement: (rotation, origin),

@@ -14,6 +14,7 @@ use super::{
 use crate::robot::{
     Joint, JointKind, MOST_JOINTS, Placement,
     body::{Frame, RigidBody},
+    floating::Base,
 };
 use thetahat_ground::vector::{IDENTITY, Mat3, axis_angle, product, scale, times, transpose, with_z};
 
@@ -29,6 +30,8 @@ pub(super) struct Assembly<'a> {
     pub(super) free: Vec<Element<'a>>,
     /// Mass and inertia of each moving body, as the model states them.
     pub(super) masses: Vec<WeighedBody<'a>>,
+    /// The root body of a base that floats, with everything fixed to it.
+    pub(super) root_body: RigidBody,
 }
 
 /// A moving body with the joint that carries it, from zero, and what the model states of it.
@@ -43,6 +46,8 @@ pub(super) struct WeighedBody<'a> {
 pub(super) struct BodyPlace {
     pub(super) carrier: Option<usize>,
     frame: Frame,
+    /// Whether it is below the body of a base that floats.
+    is_on_root: bool,
 }
 
 impl BodyPlace {
@@ -53,24 +58,56 @@ impl BodyPlace {
 }
 
 impl<'a> Assembly<'a> {
-    pub(super) fn of(world: &World<'a>, settings: &Settings, classes: &Classes<'a>) -> Result<Self, MjcfError> {
+    pub(super) fn of(
+        world: &World<'a>,
+        settings: &Settings,
+        classes: &Classes<'a>,
+        base: Base,
+    ) -> Result<Self, MjcfError> {
         let (joints, moving, links) = (Vec::new(), Vec::new(), Vec::new());
-        let mut assembly = Self { joints, moving, links, places: Vec::new(), free: Vec::new(), masses: Vec::new() };
+        let (places, root_body) = (Vec::new(), RigidBody::default());
+        let mut assembly = Self { joints, moving, links, places, free: Vec::new(), masses: Vec::new(), root_body };
         for body in &world.bodies {
             let parent = body.parent.map(|parent| assembly.places[parent]);
-            let BodyPlace { carrier, frame } = parent.unwrap_or(BodyPlace { carrier: None, frame: Frame::SAME });
-            let mut place = BodyPlace { carrier, frame: frame.then(&body.frame) };
+            let before = parent.unwrap_or(BodyPlace { carrier: None, frame: Frame::SAME, is_on_root: false });
+            let mut place = BodyPlace { frame: before.frame.then(&body.frame), ..before };
             for joint in &body.joints {
-                match Moving::read(joint, settings, classes)? {
-                    Some(moving) => place = assembly.add(moving, &place)?,
-                    None => assembly.free.push(body.element),
+                match (Moving::read(joint, settings, classes)?, base) {
+                    (Some(moving), _) => place = assembly.add(moving, &place)?,
+                    (None, Base::Fixed) => assembly.free.push(body.element),
+                    (None, Base::Floating) => place = assembly.root(body.element, &place)?,
                 }
             }
             assembly.places.push(place);
         }
+        if base == Base::Floating {
+            assembly.require_one_tree(world)?;
+        }
         assembly.name_joints(world)?;
         assembly.weigh(world, settings, classes)?;
         Ok(assembly)
+    }
+
+    /// The place of the root body of a base that floats: its frame is that whose pose is measured.
+    fn root(&self, element: Element<'a>, place: &BodyPlace) -> Result<BodyPlace, MjcfError> {
+        if place.carrier.is_some() || self.places.iter().any(|place| place.is_on_root) {
+            let why = "with floating_base one body has a free joint, and every joint is below it; remove the others";
+            return Err(element.unsupported(why));
+        }
+        Ok(BodyPlace { carrier: None, frame: Frame::SAME, is_on_root: true })
+    }
+
+    /// Refuses a base that floats without a free joint, and joints that are not below it.
+    fn require_one_tree(&self, world: &World<'a>) -> Result<(), MjcfError> {
+        let apart =
+            world.bodies.iter().zip(&self.places).find(|(body, place)| !place.is_on_root && !body.joints.is_empty());
+        match apart {
+            None => Ok(()),
+            Some((body, _)) => {
+                let why = "floating_base = true needs one <freejoint/> whose body carries every joint";
+                Err(body.element.unsupported(why))
+            }
+        }
     }
 
     /// Adds a joint whose body is at `place`; returns the place of the body on the link of this joint, whose origin is on the axis.
@@ -88,7 +125,7 @@ impl<'a> Assembly<'a> {
         self.moving.push(moving);
         self.links.push(RigidBody::default());
         let frame = Frame { rotation: IDENTITY, origin: scale(-1.0, anchor) };
-        Ok(BodyPlace { carrier: Some(self.joints.len() - 1), frame })
+        Ok(BodyPlace { carrier: Some(self.joints.len() - 1), frame, ..*place })
     }
 
     /// The joint's frame is the link's, rotated so that z is the axis; so is the frame of its carrier.
@@ -108,6 +145,7 @@ impl<'a> Assembly<'a> {
             link_axes: link_axes(&axes),
             mimic: None,
             passive: false,
+            of_base: false,
             limits: moving.limits,
         }
     }
@@ -138,7 +176,7 @@ impl<'a> Assembly<'a> {
     }
 
     fn weigh(&mut self, world: &World<'a>, settings: &Settings, classes: &Classes<'a>) -> Result<(), MjcfError> {
-        let counts = |place: &BodyPlace| place.carrier.is_some() || settings.total_mass.is_some();
+        let counts = |place: &BodyPlace| place.carrier.is_some() || place.is_on_root || settings.total_mass.is_some();
         let bodies = world.bodies.iter().zip(&self.places).filter(|(_, place)| counts(place));
         let masses =
             bodies.map(|(body, place)| Ok((body.element, *place, mass_properties_of(body, settings, classes)?)));
@@ -147,8 +185,14 @@ impl<'a> Assembly<'a> {
         let factor =
             settings.total_mass.filter(|wanted| *wanted > 0.0 && total > 0.0).map_or(1.0, |wanted| wanted / total);
         for (element, place, properties) in masses {
-            let Some(carrier) = place.carrier else { continue };
-            self.links[carrier].absorb(&properties.scaled(factor).body().seen_in(&place.frame));
+            let own = properties.scaled(factor).body().seen_in(&place.frame);
+            let Some(carrier) = place.carrier else {
+                if place.is_on_root {
+                    self.root_body.absorb(&own);
+                }
+                continue;
+            };
+            self.links[carrier].absorb(&own);
             self.masses.push(WeighedBody { element, carrier, properties });
         }
         Ok(())

@@ -134,7 +134,7 @@ impl<'a> Noted<'_, 'a> {
 
 const FREE: Omission = Omission {
     what: "a free joint, whose body is fixed where the model places it",
-    remedy: "use recordings with this body at rest, or replace the free joint by slides and hinges",
+    remedy: "use recordings with this body at rest, or state floating_base = true in a TOML on this file",
 };
 const TIME_CONSTANT: Omission = Omission {
     what: "a springdamper, which is not read",

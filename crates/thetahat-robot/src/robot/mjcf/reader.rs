@@ -15,7 +15,12 @@ use super::{
     world::World,
 };
 use crate::robot::{
-    Friction, INERTIAL, Robot, RobotError, Transmission, locking::merged, parse_xml, urdf::Transmissions,
+    Friction, INERTIAL, Robot, RobotError, Transmission,
+    body::RigidBody,
+    floating::{BASE_JOINTS, Base},
+    locking::merged,
+    parse_xml,
+    urdf::Transmissions,
 };
 
 /// MuJoCo's gravity if a model states none, m/s^2.
@@ -56,6 +61,7 @@ pub(in crate::robot) fn read(
     path: &Path,
     origins: &Origins,
     transmissions: Transmissions,
+    base: Base,
 ) -> Result<Robot, RobotError> {
     let text = text.trim_start_matches('\u{feff}');
     let document = parse_xml(text, path).map_err(MjcfError::from)?;
@@ -68,13 +74,26 @@ pub(in crate::robot) fn read(
         let why = "a text within another file includes nothing; give the file of the model";
         return Err(include.unsupported(why).into());
     }
-    let model = ParsedModel::read(root)?;
+    let mut model = ParsedModel::read(root, base)?;
     if model.held.iter().all(Option::is_some) {
         return Err(MjcfError::NoMovingJoint { path: path.to_owned() }.into());
     }
     let mut robot = model.robot(root, path, transmissions)?;
     add_terms(&mut robot, &model.assembly, &model.actuators)?;
+    if base == Base::Floating {
+        robot = floated(robot, &model.assembly.root_body, path)?;
+        model.held.splice(0..0, [None; BASE_JOINTS]);
+    }
     merged(&robot, &model.held).map_err(|source| RobotError::lock(path, source))
+}
+
+/// The robot on a base that floats, with its terms on the joints of the same names.
+fn floated(mut robot: Robot, root: &RigidBody, path: &Path) -> Result<Robot, RobotError> {
+    robot.terms.clear();
+    let terms = std::mem::take(&mut robot.term_descriptions);
+    let mut floated = robot.on_floating_base(root);
+    floated.add_terms(&terms).map_err(|source| RobotError::Term { path: path.to_owned(), source: Box::new(source) })?;
+    Ok(floated)
 }
 
 /// The parts of a model.
@@ -89,10 +108,10 @@ struct ParsedModel<'a> {
 }
 
 impl<'a> ParsedModel<'a> {
-    fn read(root: Element<'a>) -> Result<Self, MjcfError> {
+    fn read(root: Element<'a>, base: Base) -> Result<Self, MjcfError> {
         let (settings, classes) = (Settings::read(root)?, Classes::read(root)?);
         let world = World::read(root, &settings, &classes)?;
-        let mut assembly = Assembly::of(&world, &settings, &classes)?;
+        let mut assembly = Assembly::of(&world, &settings, &classes, base)?;
         refuse_makers(&world, &assembly)?;
         let Equalities { mimics, held, loops } = Equalities::read(root, &classes, &world, &assembly)?;
         let actuators = Actuators::read(root, &settings, &classes, &assembly.joints, &world)?;

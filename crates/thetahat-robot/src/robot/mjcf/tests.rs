@@ -123,7 +123,7 @@ fn what_a_robot_cannot_hold_is_noted() {
         says(&format!("{}: {}; {}", doubt.place, doubt.what, doubt.remedy), words);
     };
     let trunk = "<body name=\"trunk\" pos=\"0 0 1\"><freejoint/><geom size=\"0.1\"/></body>\n    <body name=\"upper\"";
-    noted("<body name=\"upper\"", trunk, &["line 13", "a free joint", "trunk", "replace"]);
+    noted("<body name=\"upper\"", trunk, &["line 13", "a free joint", "trunk", "floating_base"]);
     noted("type=\"slide\"", "type=\"slide\" springdamper=\"1 1\"", &["line 19", "springdamper", "elbow"]);
     noted("type=\"slide\"", "type=\"slide\" stiffness=\"1 2\"", &["powers of the deflection"]);
     noted("<motor name=\"m2\" joint=\"elbow\"", "<motor name=\"m2\" site=\"tip\"", &["m2", "one joint"]);

@@ -23,6 +23,9 @@ pub(super) struct RobotFile {
     pub(super) convention: Option<Convention>,
     /// Acceleration of gravity in the base frame, m/s^2; none is `[0, 0, -9.81]`.
     pub(super) gravity: Option<[f64; 3]>,
+    /// Whether the root body moves freely: its pose is measured, and six equations without a torque are added.
+    #[serde(default)]
+    pub(super) floating_base: bool,
     /// The friction model of the joints; none is `"symmetric"`.
     pub(super) friction: Option<Friction>,
     /// The joints, if there is no URDF.

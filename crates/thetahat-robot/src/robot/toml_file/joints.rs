@@ -39,6 +39,7 @@ impl Reader<'_> {
             mimic: None,
             also_follows: Vec::new(),
             passive: false,
+            of_base: false,
             limits: Limits::default(),
         };
         let mut joints: Vec<Joint> = order.iter().map(joint).collect();

@@ -3,6 +3,8 @@ use std::{ops::Range, path::Path};
 use super::file::RobotFile;
 use crate::robot::{
     Friction, Locks, Parameter, Robot, RobotError, Transmission,
+    body::RigidBody,
+    floating::Base,
     locking::{LocksOf, merged, resolve_all},
     mjcf, urdf,
 };
@@ -52,7 +54,7 @@ impl Reader<'_> {
         let name = file.name.clone().ok_or_else(|| self.value("name", "the robot's name", "missing"))?;
         let joints = self.joints(&file.joint, file.convention.unwrap_or_default())?;
         let coordinates = joints.iter().filter(|j| j.has_coordinate()).count();
-        Ok(Robot {
+        let robot = Robot {
             name,
             gravity: GRAVITY,
             joints,
@@ -64,6 +66,10 @@ impl Reader<'_> {
             doubts: Vec::new(),
             term_descriptions: Vec::new(),
             terms: Vec::new(),
+        };
+        Ok(match Base::of(file.floating_base) {
+            Base::Fixed => robot,
+            Base::Floating => robot.on_floating_base(&RigidBody::default()),
         })
     }
 
@@ -82,9 +88,10 @@ impl Reader<'_> {
         }
         let own = file.transmission.as_ref().is_some_and(|t| t.matrix.is_some());
         let transmissions = if own { urdf::Transmissions::Ignored } else { transmissions };
+        let base = Base::of(file.floating_base);
         match mjcf::is_mjcf(below.text) {
-            true => mjcf::read(below.text, below.path, below.origins, transmissions),
-            false => urdf::read(below.text, below.path, transmissions, locks),
+            true => mjcf::read(below.text, below.path, below.origins, transmissions, base),
+            false => urdf::read(below.text, below.path, transmissions, locks, base),
         }
     }
 
@@ -100,7 +107,9 @@ impl Reader<'_> {
         robot.gravity = gravity.unwrap_or(robot.gravity);
         self.check_gravity(robot.gravity)?;
         if let Some(entry) = transmission {
-            robot.transmission = self.transmission(entry, &robot.joints, &robot.transmission)?;
+            let base = robot.base_coordinates();
+            let own = robot.transmission.without_base(base);
+            robot.transmission = self.transmission(entry, &robot.joints[base..], &own)?.after_base(base);
         }
         robot.set_friction(friction.unwrap_or(robot.friction));
         // Terms may need a-priori values, and a-priori values may belong to terms.

@@ -30,6 +30,8 @@ pub(super) struct Assembly<'s, 'a> {
     bodies: Vec<RigidBody>,
     /// The index of that link.
     moved_links: Vec<usize>,
+    /// The body of the root link, with everything fixed to it.
+    pub(super) root_body: RigidBody,
 }
 
 /// The drive of each joint of the file, with its name, and the pairs of joints that two motors drive together.
@@ -47,19 +49,21 @@ pub(super) struct LinkPlace {
 }
 
 impl<'s, 'a> Assembly<'s, 'a> {
-    pub(super) fn new(structure: &'s Structure<'a>) -> Self {
+    pub(super) fn new(structure: &'s Structure<'a>) -> Result<Self, UrdfError> {
         let mut places = vec![None; structure.link_count()];
         if let Some(root) = places.get_mut(structure.root) {
             *root = Some(LinkPlace { carrier: None, frame: Frame::SAME });
         }
-        Self {
+        let root_body = structure.links.get(structure.root).map(|root| links::body_of(*root)).transpose()?;
+        Ok(Self {
             links: &structure.links,
             places,
             joints: Vec::new(),
             moving: Vec::new(),
             bodies: Vec::new(),
             moved_links: Vec::new(),
-        }
+            root_body: root_body.unwrap_or_default(),
+        })
     }
 
     pub(super) fn add(&mut self, joint: &'s JointElement<'a>, parent: usize, child: usize) -> Result<(), UrdfError> {
@@ -68,9 +72,8 @@ impl<'s, 'a> Assembly<'s, 'a> {
         let body = links::body_of(self.links[child])?;
         self.places[child] = Some(match &joint.moving {
             None => {
-                if let Some(carrier) = carrier {
-                    self.bodies[carrier].absorb(&body.seen_in(&frame));
-                }
+                let carrying = carrier.map_or(&mut self.root_body, |carrier| &mut self.bodies[carrier]);
+                carrying.absorb(&body.seen_in(&frame));
                 LinkPlace { carrier, frame }
             }
             Some(moving) => {
@@ -100,6 +103,7 @@ impl<'s, 'a> Assembly<'s, 'a> {
             mimic: None,
             also_follows: Vec::new(),
             passive: false,
+            of_base: false,
             limits: moving.limits,
         }
     }

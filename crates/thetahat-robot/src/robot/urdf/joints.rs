@@ -91,8 +91,10 @@ impl<'a> MimicElement<'a> {
 
 fn unsupported(element: Element<'_>, kind: &str) -> UrdfError {
     let why = match kind {
-        "floating" => "a floating base is out of scope; fix the base, with type=\"fixed\"",
-        "planar" => "a planar or floating base is out of scope; use two prismatic joints and a revolute one, or fix it",
+        "floating" => {
+            "for a floating base, remove it with the link above, and write a TOML with urdf = \"...\" and floating_base = true"
+        }
+        "planar" => "use two prismatic joints and a revolute one, or fix it",
         _ => "the types are revolute, continuous, prismatic and fixed",
     };
     UrdfError::UnsupportedJoint { place: element.place(), kind: super::element::shortened(kind), why }

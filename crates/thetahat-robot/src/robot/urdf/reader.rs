@@ -13,6 +13,7 @@ use super::{
 use crate::robot::{
     Doubt, Friction, MOST_JOINTS, Robot, RobotError, Transmission,
     body::{Frame, RigidBody},
+    floating::Base,
     locking::{LocksOf, resolve_all},
 };
 
@@ -38,12 +39,13 @@ pub(in crate::robot) fn read(
     path: &Path,
     transmissions: Transmissions,
     locks: &[LocksOf<'_>],
+    base: Base,
 ) -> Result<Robot, RobotError> {
     let document = document::parse(text, path)?;
     let element = document::robot(&document, path)?;
     let name = element.required("name", "give it one: <robot name=\"my_robot\">")?.to_owned();
     let structure = Structure::read(element)?;
-    let mut assembly = Assembly::new(&structure);
+    let mut assembly = Assembly::new(&structure)?;
     for &joint in &structure.order {
         let LinkPair { parent, child } = structure.ends[joint];
         assembly.add(&structure.joints[joint], parent, child)?;
@@ -69,7 +71,8 @@ pub(in crate::robot) fn read(
             Transmission::direct(assembly.coordinates().count())
         }
     };
-    Ok(Robot {
+    let root = assembly.root_body;
+    let robot = Robot {
         term_descriptions: Vec::new(),
         terms: Vec::new(),
         name,
@@ -81,6 +84,10 @@ pub(in crate::robot) fn read(
         loops: Vec::new(),
         locked: Vec::new(),
         doubts,
+    };
+    Ok(match base {
+        Base::Fixed => robot,
+        Base::Floating => robot.on_floating_base(&root),
     })
 }
 
@@ -97,6 +104,8 @@ pub(in crate::robot) struct LinkBody {
     pub(in crate::robot) carrier: Option<usize>,
     /// Whether it is the link of that joint itself.
     pub(in crate::robot) is_carrier: bool,
+    /// Whether it is the root link.
+    pub(in crate::robot) is_root: bool,
     /// Its frame relative to that of the joint's link.
     pub(in crate::robot) frame: Frame,
     pub(in crate::robot) body: RigidBody,
@@ -111,7 +120,7 @@ pub(in crate::robot) struct LinkBody {
 pub(in crate::robot) fn link_bodies(text: &str, path: &Path) -> Result<Vec<LinkBody>, UrdfError> {
     let document = document::parse(text, path)?;
     let structure = Structure::read(document::robot(&document, path)?)?;
-    let mut assembly = Assembly::new(&structure);
+    let mut assembly = Assembly::new(&structure)?;
     for &joint in &structure.order {
         let LinkPair { parent, child } = structure.ends[joint];
         assembly.add(&structure.joints[joint], parent, child)?;
@@ -125,6 +134,7 @@ pub(in crate::robot) fn link_bodies(text: &str, path: &Path) -> Result<Vec<LinkB
             name: element.attribute("name").unwrap_or_default().to_owned(),
             carrier: place.carrier,
             is_carrier: moved(k),
+            is_root: k == structure.root,
             frame: place.frame,
             body: links::body_of(*element)?,
             shapes: shapes_of(*element)?,

@@ -31,6 +31,8 @@ const SEED: u64 = 1;
 
 impl Design {
     pub(in crate::design) fn validate(&self) -> Result<(), DesignError> {
+        let fixed = "a robot whose base is fixed: what a base that floats does depends on what touches it";
+        self.require(self.robot.base_coordinates() == 0, "robot", fixed, "a base that floats")?;
         self.settings.validate(&self.robot).map_err(|source| self.refuse(source))?;
         self.settings.require_stated_cutoff("a design has none").map_err(|source| self.refuse(source))?;
         self.validate_duration()?;

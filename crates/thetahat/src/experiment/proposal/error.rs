@@ -6,6 +6,15 @@ use crate::experiment::column_names;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProposalError {
+    /// The base floats: its columns and contacts are not guessed.
+    #[error(
+        "the base of {robot} floats, and its pose and contacts are not guessed: propose for the URDF or MJCF without floating_base, then \
+         name the TOML as robot and add [recording.base]"
+    )]
+    FloatingBase {
+        /// The robot.
+        robot: String,
+    },
     /// The columns of a signal are not clear.
     #[error(
         "{}: the columns of the {signal} are not clear: {problem}; expected one for each joint, {joints} in all; \

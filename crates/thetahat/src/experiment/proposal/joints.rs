@@ -43,6 +43,9 @@ impl JointsOfLog {
     ) -> Result<Self, ProposalError> {
         let refuse = |e: thetahat_model::robot::RobotError| ProposalError::Robot { problem: e.to_string() };
         let whole = description.robot_without_transmission().map_err(refuse)?;
+        if whole.base_coordinates() > 0 {
+            return Err(ProposalError::FloatingBase { robot: whole.name });
+        }
         let search = Search { request, robot: &whole, sources };
         let moving = search.unlocked()?;
         let locks = moving.as_ref().map_or(Ok(Vec::new()), |moving| search.locks(moving))?;

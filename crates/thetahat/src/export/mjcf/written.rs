@@ -22,9 +22,12 @@ pub(in crate::export) fn mjcf(represented: &RepresentedRobot, header: &str, serv
     lines.extend(servos.map(Servos::defaults));
     lines.push("  <worldbody>".to_owned());
     lines.extend(loops::sites(robot, None).into_iter().map(|site| format!("    {site}")));
-    (0..robot.joints.len())
-        .filter(|&k| robot.joints[k].parent.is_none())
-        .for_each(|k| add_body(represented, k, 2, &mut lines));
+    let first = |k: &usize| robot.joints[*k].parent.is_none();
+    let roots: Vec<usize> = match robot.root_joint() {
+        Some(root) => vec![root],
+        None => (0..robot.joints.len()).filter(first).collect(),
+    };
+    roots.into_iter().for_each(|k| add_body(represented, k, 2, &mut lines));
     lines.push("  </worldbody>".to_owned());
     lines.extend(equalities(robot));
     lines.extend(coupled_motors(represented));
@@ -37,7 +40,8 @@ pub(in crate::export) fn mjcf(represented: &RepresentedRobot, header: &str, serv
 /// The body of a link with those that it carries; robots have at most a hundred joints.
 fn add_body(represented: &RepresentedRobot, k: usize, depth: usize, lines: &mut Vec<String>) {
     let space = "  ".repeat(depth);
-    let frame = LinkFrame::of(&represented.robot, k);
+    let is_root = represented.robot.joints[k].of_base;
+    let frame = if is_root { LinkFrame::of_root(&represented.robot, k) } else { LinkFrame::of(&represented.robot, k) };
     lines.push(format!(
         "{space}<body name=\"{}\" pos=\"{}\" quat=\"{}\">",
         link_name(k),
@@ -45,7 +49,8 @@ fn add_body(represented: &RepresentedRobot, k: usize, depth: usize, lines: &mut 
         numbers(&frame.quaternion())
     ));
     lines.push(format!("{space}  {}", inertial(&Body::new(represented.inertial_of(k)))));
-    lines.push(format!("{space}  {}", joint(represented, k, &frame)));
+    let moved = if is_root { "<freejoint name=\"base\"/>".to_owned() } else { joint(represented, k, &frame) };
+    lines.push(format!("{space}  {moved}"));
     lines.extend(loops::sites(&represented.robot, Some(k)).into_iter().map(|site| format!("{space}  {site}")));
     let children = (0..represented.robot.joints.len()).filter(|&j| represented.robot.joints[j].parent == Some(k));
     children.for_each(|child| add_body(represented, child, depth + 1, lines));

@@ -305,7 +305,11 @@ impl ModelCollector {
             self.waiting[joint] = rest;
             let of_cell = |k: usize| (joint, parts[k], motions[before + k][joint].is_near_rest);
             let cells = grouped(count, of_cell);
-            cells.into_iter().for_each(|(key, own)| self.add_to_cell(key, &rows.select_rows(&own)));
+            let is_used = used(&rows);
+            for (key, own) in cells {
+                let own: Vec<bool> = own.into_iter().zip(&is_used).map(|(own, used)| own && *used).collect();
+                self.add_to_cell(key, &rows.select_rows(&own));
+            }
             if let Some(stretch) = self.stretch {
                 let settled = |k: usize| {
                     let at = before + k;
@@ -359,6 +363,15 @@ impl ModelCollector {
             repeated: self.repeated.map(Phases::finish),
         }
     }
+}
+
+/// Whether each row has an entry other than zero: one that is left out has none.
+fn used(rows: &Matrix) -> Vec<bool> {
+    let mut used = vec![false; rows.rows()];
+    for c in 0..rows.columns() {
+        used.iter_mut().zip(rows.column(c)).for_each(|(used, value)| *used |= *value != 0.0);
+    }
+    used
 }
 
 /// Which of so many rows have each key.

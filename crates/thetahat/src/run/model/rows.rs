@@ -25,6 +25,22 @@ fn every_sample(signal: &SignalOptions) -> SignalOptions {
     SignalOptions { mask: Mask::Named(NamedMask::None), ..*signal }
 }
 
+/// The part of a row's samples that are used from which on it counts.
+const USED: f64 = 0.5;
+
+/// Whether each row is left out because most of its samples have no known right-hand side; none if none is.
+fn unused(recordings: &[&FilteredRecording], rows: &ModelRows) -> Result<Option<Vec<bool>>, PreparationError> {
+    if recordings.iter().all(|r| r.unused.is_none()) {
+        return Ok(None);
+    }
+    let shares = |(r, decimator): (&&FilteredRecording, &Decimator)| match &r.unused {
+        Some(unused) => unused.shares(decimator),
+        None => Ok(vec![1.0; decimator.rows() * rows.layout.joints()]),
+    };
+    let shares = recordings.iter().zip(&rows.decimators).map(shares).collect::<Result<_, _>>()?;
+    Ok(Some(rows.layout.stack_vectors(shares).into_iter().map(|share| share < USED).collect()))
+}
+
 impl ModelRows {
     /// The rows whose Coulomb friction is `fc tanh(dq / transition)`.
     pub(super) fn new(
@@ -41,13 +57,17 @@ impl ModelRows {
         let columns = problem.base.columns();
         let (mut matrices, mut vectors) = (Vec::new(), Vec::new());
         for (recording, decimator) in recordings.iter().zip(&decimators) {
-            let assembly = Assembly::new(&problem.model, &columns, decimator.clone());
+            let assembly = Assembly::new(&problem.model, &columns, decimator.clone()).masked(recording.unused.clone());
             matrices.push(recording.observation_matrix_of(&assembly, Sign::Smooth { scale: transition })?);
             vectors.push(assembly.measurement_vector(&recording.centred_torque())?);
         }
         let weights = layout.spread(|block| recordings[block.recording].recording.weight.sqrt());
         let (x, y) = (layout.stack_matrices(matrices), layout.stack_vectors(vectors));
-        Ok(Self { x, y, layout, decimators, weights })
+        let rows = Self { x, y, layout, decimators, weights };
+        match unused(&recordings, &rows)? {
+            None => Ok(rows),
+            Some(unused) => Ok(rows.without(&unused)),
+        }
     }
 
     /// The same rows with another velocity of the transition: the columns of bodies stay.
@@ -64,10 +84,12 @@ impl ModelRows {
         let indices: Vec<usize> = changing.iter().map(|&c| columns[c]).collect();
         let mut matrices = Vec::new();
         for (prepared, decimator) in identification.main.iter().zip(&self.decimators) {
-            let assembly = Assembly::new(&problem.model, &indices, decimator.clone());
+            let unused = prepared.filtered.unused.clone();
+            let assembly = Assembly::new(&problem.model, &indices, decimator.clone()).masked(unused);
             matrices.push(prepared.filtered.observation_matrix_of(&assembly, Sign::Smooth { scale: transition })?);
         }
         let found = self.layout.stack_matrices(matrices);
+        let found = found.scale_rows(&self.kept());
         let mut rows = self.clone();
         for (k, &column) in changing.iter().enumerate() {
             rows.x.column_mut(column).copy_from_slice(found.column(k));
