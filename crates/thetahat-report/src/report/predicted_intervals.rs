@@ -1,6 +1,6 @@
 //! The intervals of a recording next to those that its design predicted: for the terminal, and a page.
 
-use std::path::Path;
+use std::{ops::RangeInclusive, path::Path};
 
 use super::{
     comparison::GENERATOR,
@@ -18,6 +18,11 @@ use thetahat_ground::{output::replace_file, visible::visible};
 const AS_PREDICTED: f64 = 1.2;
 /// Neighbouring rows of a residual that correlate more are no white noise.
 const CORRELATED: f64 = 0.35;
+
+/// Ratios of what is as predicted.
+fn as_predicted() -> RangeInclusive<f64> {
+    1.0 / AS_PREDICTED..=AS_PREDICTED
+}
 
 /// The comparison for the terminal.
 #[must_use]
@@ -78,7 +83,7 @@ fn conclusions(compared: &IntervalsAgainstPrediction) -> Vec<String> {
         significant(mean, 3)
     );
     let mut lines = vec![summary];
-    if mean > AS_PREDICTED || mean < 1.0 / AS_PREDICTED {
+    if !as_predicted().contains(&mean) {
         lines.extend(reasons(compared));
     }
     lines
@@ -118,7 +123,7 @@ fn reasons(compared: &IntervalsAgainstPrediction) -> Vec<String> {
         )
     }));
     let [predicted, found] = compared.rows.map(|rows| rows as f64);
-    if found < predicted / AS_PREDICTED || found > predicted * AS_PREDICTED {
+    if !as_predicted().contains(&(found / predicted)) {
         reasons.push(format!(
             "There are {found} rows after the decimation, {predicted} were predicted: another duration, window, rate or decimation."
         ));

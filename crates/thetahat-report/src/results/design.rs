@@ -53,7 +53,7 @@ pub struct DesignResults {
     pub limits: Vec<LimitUse>,
     /// The limits in the simulated loop.
     pub executed: ExecutedMotion,
-    /// By how many percent velocities of moves are assumed to overshoot, where no controller is described.
+    /// By how many percent velocities of moves are assumed to overshoot, if no controller is described.
     pub assumed_overshoot: Option<f64>,
     /// Rated velocities and accelerations of the coordinates, SI, which the percentages of programs are of; none takes the limits.
     pub rated: [Vec<Option<f64>>; 2],
@@ -87,7 +87,7 @@ pub struct DesignResults {
 pub struct PredictedTorques {
     /// The file of the motion.
     pub file: String,
-    /// Standard deviation of the predicted torques by what is known before, percent of the torques; none where nothing is.
+    /// Standard deviation of the predicted torques by what is known before, percent of the torques; absent if nothing is.
     pub before_percent: Option<f64>,
     /// The same after the recording of the designed motion.
     pub percent: f64,

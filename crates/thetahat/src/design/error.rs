@@ -215,7 +215,7 @@ pub enum DesignError {
         /// The design file.
         path: PathBuf,
         /// Why.
-        source: RecordingError,
+        source: Box<RecordingError>,
     },
     /// Results have no estimates, or of no parameter that is predicted.
     #[error(

@@ -14,7 +14,7 @@ const RANGE: [f64; 2] = [1e-3, 1e6];
 const HALVINGS: usize = 40;
 
 impl Design {
-    /// For each expected parameter the recording time until half of its interval is as wanted, by repeating the motion: none where its a-priori
+    /// For each expected parameter the recording time until half of its interval is as wanted, by repeating the motion: absent if its a-priori
     /// value is zero.
     pub(in crate::design) fn recording_times(
         &self,
@@ -45,7 +45,7 @@ impl Design {
 }
 
 /// The time after which information suffices, s, where a motion of `duration_s` adds `own` to what is known: zero if what is known suffices,
-/// none if a million repetitions do not.
+/// absent if a million repetitions do not.
 pub(in crate::design) fn recording_time(
     duration_s: f64,
     known: Option<&Matrix>,

@@ -37,7 +37,7 @@ impl Design {
         base: &BaseParameters,
     ) -> Result<Option<WantedTorques>, DesignError> {
         let Some(source) = &self.file.wanted.motion else { return Ok(None) };
-        let refuse = |source| DesignError::WantedMotion { path: self.path.clone(), source };
+        let refuse = |source| DesignError::WantedMotion { path: self.path.clone(), source: Box::new(source) };
         let dimensions: Vec<(&str, Dimension)> = self
             .robot
             .coordinates()

@@ -1,13 +1,13 @@
 //! Errors that last: what a model leaves of the torques and noise does not explain, at the rate of the samples.
 
+use std::f64::consts::TAU;
+
 use super::{
     choice::Choice,
     factors::{SETTLED, near_rest_limits},
     variant::Variant,
 };
 use crate::run::prepared::PreparedRecording;
-use std::f64::consts::TAU;
-
 use thetahat_estimation::signal::Motion;
 use thetahat_ground::series::Series;
 use thetahat_model::dynamics::{DynamicParameters, Model, Sign, State, Workspace};
@@ -41,7 +41,7 @@ impl Products {
 }
 
 /// The root mean square of the errors that last for a quarter of a period of the cut-off, while a joint moves, percent of all torques: what
-/// few rows after a narrow filter would take for noise. None where torques take recorded channels.
+/// few rows after a narrow filter would take for noise. Absent if torques take recorded channels.
 pub(super) fn lasting_percent(variant: &Variant<'_>, choice: &Choice, transition: f64) -> Option<f64> {
     let Variant { identification, problem, .. } = variant;
     let setup = identification.setup();
