@@ -32,7 +32,7 @@ fn design(duration_s: f64, more: &str, wanted: &str) -> Design {
     let text = format!(
         "title = 'gravity'\nrobot = 'arm.urdf'\nduration_s = {duration_s}\nsample_rate_hz = {RATE_HZ}\n{wanted}\n[motion]\nkind = 'moves'\n\
          moves = 10\nstarts = 2\nstart = {START:?}\nsmoothing_s = 0.002\n{more}\n[limits]\nacceleration = [600, 600, 1000]\n[noise]\ntorque = {NOISE:?}\n\
-         [signal]\ncutoff_hz = 40\ndecimation = 20\n"
+         [signal]\ncutoff_hz = 40\ndecimation = 20\n[uncertainty]\novershoot_percent = 0\n"
     );
     Design::parse(&text, &project("examples/arm/design.toml")).unwrap()
 }
