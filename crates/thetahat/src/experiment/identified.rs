@@ -76,6 +76,12 @@ pub struct IdentifiedRobot {
 }
 
 impl IdentifiedRobot {
+    /// The same for a recording that the experiment does not have: all of it counts.
+    pub(super) fn without_window(self) -> Self {
+        let signal = SignalOptions { window_start_s: None, window_end_s: None, ..self.settings.signal };
+        Self { settings: Settings { signal, ..self.settings }, ..self }
+    }
+
     /// The robot of an identification with the estimates of a run of its results, in memory.
     ///
     /// # Errors

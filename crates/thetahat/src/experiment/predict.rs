@@ -50,6 +50,9 @@ pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentErro
         ..EstimateRequest::default()
     };
     let identified = IdentifiedRobot::read(&request.results, &chosen)?;
+    let is_of_experiment = identified.experiment().is_some_and(|e| recorded_in(e, request).is_some());
+    // The window of the experiment's recordings is none of another's.
+    let identified = if is_of_experiment { identified } else { identified.without_window() };
     let Some(experiment) = identified.experiment() else {
         return Err(ExperimentError::OfArrays { path: request.results.clone() });
     };
@@ -63,12 +66,18 @@ pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentErro
     identified.predict_valid(recording).map_err(|e| experiment.refuse(e))
 }
 
+/// The recording of an experiment that a request is for.
+fn recorded_in<'e>(experiment: &'e Experiment, request: &PredictionRequest) -> Option<&'e RecordingDescription> {
+    let mut all = experiment.file.recording.iter().chain(&experiment.file.validation);
+    all.find(|recording| request.recording.ends_with(&recording.position.file))
+}
+
 /// The experiment's description of a recording, with the files and columns of the request: that of the same file, with
 /// its window, or else that of the first recording.
 fn described(experiment: &Experiment, request: &PredictionRequest) -> Result<RecordingDescription, ExperimentError> {
-    let all = || experiment.file.recording.iter().chain(&experiment.file.validation);
-    let same = all().find(|r| request.recording.ends_with(&r.position.file));
-    let Some(chosen) = same.or_else(|| all().next()) else {
+    let same = recorded_in(experiment, request);
+    let Some(chosen) = same.or_else(|| experiment.file.recording.iter().chain(&experiment.file.validation).next())
+    else {
         return Err(experiment.missing("[recording]", "it describes the channels of the file to predict for"));
     };
     let mut description = chosen.clone();

@@ -79,6 +79,16 @@ impl Setup<'_> {
         let near_rest = near_rest(&options, scale, recorded.each_ref(), rate);
         let motion = Motion { q: cut(&q), dq: cut(&dq), ddq: cut(&ddq) };
         self.require_closed_loops(&recording, &motion.q, window.start)?;
+        let mut unpowered = self.unpowered(&recording, &window);
+        unpowered.retain(|at| !recording.gaps.contains(at));
+        recording.notes.extend(unpowered.iter().map(|at| {
+            let [start, end] = [at.start, at.end].map(|k| k as f64 / rate);
+            format!(
+                "from {start:.3} to {end:.3} s the robot stands and all torques are zero, as with brakes or motors off: left out"
+            )
+        }));
+        recording.gaps.extend(unpowered);
+        recording.gaps.sort_unstable_by_key(|gap| gap.start);
         let left_out = left_out(&recording.gaps, &window, rate, options.cutoff_hz);
         let unused = unused_rows(&recording, &window).map(Arc::new);
         require_force(&recording, &window, unused.as_deref())?;

@@ -30,6 +30,7 @@ mod reference_of_motion;
 mod settings;
 mod setup;
 mod simulable;
+mod unpowered;
 mod validation;
 mod wrapped;
 

@@ -49,5 +49,6 @@ mod torque_terms;
 #[allow(dead_code)]
 mod twins;
 mod uncertain_parameters;
+mod unpowered;
 mod user_estimator;
 mod verdict;

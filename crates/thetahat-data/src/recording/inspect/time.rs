@@ -30,6 +30,9 @@ pub struct TimeSummary {
     /// The unit in its name, where the rate by it is that of no recording of a motion.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contradicted_unit: Option<Unit>,
+    /// Whether they count by one and their name has no unit: a clock of that unit, or a counter of samples.
+    #[serde(skip)]
+    pub is_count: bool,
     /// Samples per second: one divided by the usual step, which is the time without gaps divided by its steps.
     pub rate_hz: f64,
     /// Root mean square of the deviations of steps from the usual step, without gaps, relative to it.
@@ -105,11 +108,13 @@ fn time(column: &Column, in_seconds: bool, is_named: bool) -> Option<TimeSummary
     }
     let is_in_seconds = (in_seconds && is_of_message(&column.name)) || column.in_seconds;
     let (unit, contradicted_unit) = if is_in_seconds { (Unit::Second, None) } else { unit(&column.name, step) };
+    let is_count = unit != Unit::Second && step == 1.0 && unit_in_name(&column.name) != Some(unit);
     Some(TimeSummary {
         column: column.name.clone(),
         is_named,
         unit,
         contradicted_unit,
+        is_count,
         rate_hz: 1.0 / (step * unit.to_si()),
         jitter_rms,
         jitter_max,
@@ -155,12 +160,17 @@ fn gaps(steps: &[f64], period: f64, unit: Unit) -> Vec<Gap> {
     long.map(gap).collect()
 }
 
+/// The unit at the end of a name.
+fn unit_in_name(name: &str) -> Option<Unit> {
+    let word = name.trim_end_matches([']', ')']).rsplit(['_', ' ', '[', '(', '/']).next().unwrap_or_default();
+    UNITS.into_iter().find(|unit| name != word && unit.symbol() == word)
+}
+
 /// The unit in a name such as `t_ms` or `time [us]`; otherwise, and where the rate by it is that of no recording, the first that
 /// gives the rate of one. Then the unit in the name, which is contradicted.
 fn unit(name: &str, period: f64) -> (Unit, Option<Unit>) {
-    let word = name.trim_end_matches([']', ')']).rsplit(['_', ' ', '[', '(', '/']).next().unwrap_or_default();
     let rate = |unit: &Unit| 1.0 / (period * unit.to_si());
-    let named = UNITS.into_iter().find(|unit| name != word && unit.symbol() == word);
+    let named = unit_in_name(name);
     let likely = UNITS.into_iter().find(|unit| RATES.contains(&rate(unit)));
     match (named, likely) {
         (Some(named), Some(likely)) if !POSSIBLE_RATES.contains(&rate(&named)) => (likely, Some(named)),

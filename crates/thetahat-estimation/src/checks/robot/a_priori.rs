@@ -39,6 +39,10 @@ const THOUSAND: f64 = 1e3;
 const TIMES: [(&str, f64); 3] = [("ms", 1e3), ("us", 1e6), ("ns", 1e9)];
 /// Number of joints with the same factor from which wrong masses are no explanation.
 const SEVERAL: usize = 3;
+/// Part of a joint's torque that its links take, below which wrong masses of them are likelier than a wrong torque, and the factor from
+/// which they are not.
+const OF_LINKS: f64 = 0.2;
+const SURE: f64 = 30.0;
 /// Number of other joints that agree with the masses from which the torque of one joint is wrong, not its masses.
 const WITNESSES: usize = 2;
 
@@ -46,22 +50,36 @@ const WITNESSES: usize = 2;
 struct Scale {
     coordinate: usize,
     factor: f64,
+    /// Part of the joint's torque, root mean square, without friction, offset and motor inertia.
+    part: f64,
+}
+
+impl Scale {
+    /// How far the factor is from one, either way.
+    fn off(&self) -> f64 {
+        self.factor.max(1.0 / self.factor)
+    }
+
+    /// Whether the torque is wrong, not a small body's masses.
+    fn is_wrong(&self) -> bool {
+        self.off() > LIMIT && (self.part > OF_LINKS || self.off() > SURE)
+    }
 }
 
 pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>) {
     let scales = scales(recording);
     let off = |factor: f64| factor.max(1.0 / factor);
     for scale in &scales {
-        exam.note_measure(evidence(Some(scale.coordinate), off(scale.factor)));
+        exam.note_measure(evidence(Some(scale.coordinate), scale.off()));
     }
-    let wrong: Vec<&Scale> = scales.iter().filter(|s| off(s.factor) > LIMIT).collect();
+    let wrong: Vec<&Scale> = scales.iter().filter(|s| s.is_wrong()).collect();
     if wrong.is_empty() {
         return;
     }
     let factors: Vec<f64> = wrong.iter().map(|s| s.factor).collect();
     let middle = median(&factors);
     let common = wrong.len() >= SEVERAL.min(scales.len()) && wrong.len() > 1;
-    let agreeing = scales.iter().filter(|s| off(s.factor) < ALIKE).count();
+    let agreeing = scales.iter().filter(|s| s.off() < ALIKE).count();
     let is_single = wrong.len() == 1 && agreeing >= WITNESSES;
     let is_absurd = off(middle) > ABSURD;
     let severity = if common || is_single || is_absurd { Severity::Problem } else { Severity::Warning };
@@ -153,10 +171,13 @@ fn scales(recording: &ThinnedRecording<'_>) -> Vec<Scale> {
             y.iter().zip(by_own).map(|(y, own)| y - own).collect()
         };
         let expected = without_own(recording.stack_channel(&a_priori, coordinate));
-        let torque = without_own(recording.stack_channel(&recording.torque, coordinate));
+        let recorded = recording.stack_channel(&recording.torque, coordinate);
+        let all = dot(&recorded, &recorded);
+        let torque = without_own(recorded);
         let (size, common, squares) = (dot(&expected, &expected), dot(&expected, &torque), dot(&torque, &torque));
         let explained = common * common / (size * squares);
-        (common > 0.0 && explained > EXPLAINED).then_some(Scale { coordinate, factor: common / size })
+        let part = (squares / all).sqrt();
+        (common > 0.0 && explained > EXPLAINED).then_some(Scale { coordinate, factor: common / size, part })
     };
     (0..recording.coordinates()).filter_map(scale).collect()
 }

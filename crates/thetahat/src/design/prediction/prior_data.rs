@@ -4,7 +4,10 @@ use std::path::{Path, PathBuf};
 
 use crate::design::{
     error::DesignError,
-    prediction::noise::{TorqueNoise, torque_noise_of_rows},
+    prediction::{
+        noise::{TorqueNoise, torque_noise_of_rows},
+        prior_model::{is_results, no_model},
+    },
     search::{optimiser::Problem, watch::Watch},
     text::description::Design,
 };
@@ -13,30 +16,12 @@ use crate::{
     reduction::Reduction,
 };
 use thetahat_ground::linear_algebra::Matrix;
-use thetahat_model::{base_parameters::BaseParameters, robot::Robot};
+use thetahat_model::base_parameters::BaseParameters;
 use thetahat_report::results::{JointResidual, ParameterResult, Results, RunResult};
 
 /// The folder of a file, in which an experiment's recordings are.
 fn folder_of(file: &Path) -> &Path {
     file.parent().unwrap_or(Path::new(""))
-}
-
-/// Whether a file is a `results.json`, by its name.
-fn is_results(file: &Path) -> bool {
-    file.extension().is_some_and(|extension| extension == "json")
-}
-
-fn no_model(file: &Path) -> DesignError {
-    DesignError::NoModel { file: file.to_owned() }
-}
-
-/// The robot with the model of the last of the files that are results.
-pub(in crate::design) fn with_model(robot: Robot, files: &[PathBuf]) -> Result<Robot, DesignError> {
-    let Some(file) = files.iter().rfind(|file| is_results(file)) else { return Ok(robot) };
-    let model = Results::read(file)?.model.ok_or_else(|| no_model(file))?;
-    let mut robot = robot;
-    robot.a_priori.extend(model.standard.into_iter().map(|parameter| (parameter.name, parameter.value)));
-    Ok(robot)
 }
 
 /// The inverse of a covariance, whose parameters have units of their own.

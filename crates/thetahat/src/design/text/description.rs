@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use crate::design::{
     error::DesignError,
-    prediction::{noise::TorqueNoise, prior_data::with_model},
+    prediction::{noise::TorqueNoise, prior_model::with_model},
     text::{
         collision_options::CollisionOptions,
         options::{DesignObjective, LimitOptions, MotionOptions, NoiseOptions, RatedOptions, UncertaintyOptions},

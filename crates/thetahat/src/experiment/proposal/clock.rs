@@ -76,10 +76,16 @@ fn stated(rate_hz: f64, times: Option<(Source<'_>, &TimeSummary)>) -> Result<Pro
 
 fn recorded(source: &Source<'_>, time: &TimeSummary) -> ProposedClock {
     let [rms, largest] = [time.jitter_rms, time.jitter_max].map(|j| 100.0 * j);
-    let unit = time.contradicted_unit.map_or_else(String::new, |named| {
-        let rate = significant(time.rate_hz * time.unit.to_si() / named.to_si(), 3);
-        format!("; unit a guess: the name says {}, by which the rate is {rate} Hz", named.symbol())
-    });
+    let unit = match time.contradicted_unit {
+        Some(named) => {
+            let rate = significant(time.rate_hz * time.unit.to_si() / named.to_si(), 3);
+            format!("; unit a guess: the name says {}, by which the rate is {rate} Hz", named.symbol())
+        }
+        None if time.is_count => {
+            "; unit a guess: the times count by one; if they count samples, give --rate instead".to_owned()
+        }
+        None => String::new(),
+    };
     let comment = format!(
         "{} Hz; its steps deviate by {rms:.2} % rms, {largest:.2} % at most; {} gaps{unit}.",
         (1e6 * time.rate_hz).round() / 1e6,

@@ -92,6 +92,7 @@ fn proposed_from(files: &[(&str, &str)], request: ProposalRequest, robot: &str) 
         let value = |c: usize, name: &str| match name {
             "t" => k as f64 * 1e-3,
             "time_s" => k as f64 * 2.0,
+            "time" => k as f64,
             _ => (0.1 * k as f64 + c as f64).sin(),
         };
         header.split(',').enumerate().map(|(c, name)| value(c, name).to_string()).collect::<Vec<_>>().join(",") + "\n"
@@ -391,6 +392,15 @@ fn a_unit_in_the_name_of_a_time_that_cannot_be_is_a_guess() {
     let [time, ..] = &proposal.guesses()[..] else { panic!("no guess") };
     assert!(time.starts_with("time: we assumed ms (the name says s, by which the rate is 0.500 Hz)"), "{time}");
     assert!((proposal.recordings[0].clock.rate_hz - 500.0).abs() < 1e-9);
+}
+
+/// Times that count by one may be ms, or samples.
+#[test]
+fn the_unit_of_times_that_count_is_a_guess() {
+    let guesses = |header: &str| proposed_from(&[("log.csv", header)], request(), ARM).unwrap().guesses();
+    let [time, ..] = &guesses("time,q1,q2,tau1,tau2")[..] else { panic!("no guess") };
+    assert!(time.starts_with("time: we assumed ms (the times count by one; if they count samples"), "{time}");
+    assert!(!guesses("t,q1,q2,tau1,tau2")[0].starts_with("time"));
 }
 
 const SCARA: &str = "name = 'scara'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n[[joint]]\nname = 'b'\nkind = 'prismatic'\n\

@@ -1,0 +1,115 @@
+//! Times at which nothing drives the robot: brakes hold it, or its motors are off.
+
+use std::ops::Range;
+
+use super::{Recording, Setup};
+use thetahat_ground::series::Series;
+use thetahat_model::dynamics::{DynamicParameters, Model, Sign, State, Workspace};
+
+/// Means of torques over the shortest time below this part of each joint's root mean square are noise.
+const NO_TORQUE: f64 = 0.05;
+/// Ranges of positions below this part of each joint's whole range are rest.
+const NO_MOTION: f64 = 0.01;
+/// Part of a joint's root mean square torque that gravity asks for, from which there is no reason for a torque of zero.
+const GRAVITY: f64 = 0.2;
+/// Shortest time that counts, s.
+const SHORTEST_S: f64 = 0.3;
+
+impl Setup<'_> {
+    /// The samples at which the robot stands, all torques are zero, and gravity of the described links would move it.
+    pub(super) fn unpowered(&self, recording: &Recording, window: &Range<usize>) -> Vec<Range<usize>> {
+        let Some(torque) = &recording.torque else { return Vec::new() };
+        if self.robot.base_coordinates() > 0 {
+            return Vec::new();
+        }
+        let limits: Vec<f64> = squares(torque, window).iter().map(|square| NO_TORQUE * square.sqrt()).collect();
+        let ranges = spans(&recording.position, window);
+        let shortest = (SHORTEST_S * recording.sample_rate_hz).ceil() as usize;
+        let sums = sums(torque, window);
+        let is_zero = |k: usize| {
+            let [from, to] = [k.saturating_sub(shortest / 2).max(window.start), (k + shortest / 2 + 1).min(window.end)];
+            let [before, until] = [from, to].map(|k| sums.sample(k - window.start));
+            let means = until.iter().zip(before).map(|(until, before)| (until - before) / (to - from) as f64);
+            means.zip(&limits).all(|(mean, limit)| mean.abs() <= *limit)
+        };
+        let stands = |at: &Range<usize>| {
+            let spans = spans(&recording.position, at);
+            spans.iter().zip(&ranges).all(|(span, range)| *span <= NO_MOTION * range)
+        };
+        let found = stretches(window, shortest, is_zero).into_iter().filter(stands).collect::<Vec<_>>();
+        if found.is_empty() {
+            return found;
+        }
+        let model = Model::new(self.robot);
+        let falls = |at: &Range<usize>| {
+            let gravity = self.gravity(&model, recording.position.sample(at.start + at.len() / 2));
+            gravity
+                .iter()
+                .zip(&limits)
+                .any(|(gravity, limit)| gravity.abs() > GRAVITY / NO_TORQUE * limit && *limit > 0.0)
+        };
+        found.into_iter().filter(falls).collect()
+    }
+
+    /// The torques with which the described links would be held.
+    fn gravity(&self, model: &Model, q: &[f64]) -> Vec<f64> {
+        let zero = vec![0.0; q.len()];
+        let parameters = DynamicParameters::sorted(model, &self.robot.a_priori_parameters());
+        let (mut tau, mut workspace) = (zero.clone(), Workspace::new(model));
+        model.inverse_dynamics(&parameters, State::new(q, &zero), &zero, Sign::Exact, &mut workspace, &mut tau);
+        tau
+    }
+}
+
+/// Sums of each channel over the samples before each of a range.
+fn sums(series: &Series, at: &Range<usize>) -> Series {
+    let mut sums = Series::zeros(at.len() + 1, series.channels());
+    for k in at.clone() {
+        for j in 0..series.channels() {
+            let before = sums.sample(k - at.start)[j];
+            sums.sample_mut(k - at.start + 1)[j] = before + series.sample(k)[j];
+        }
+    }
+    sums
+}
+
+/// Mean squares of each channel.
+fn squares(series: &Series, at: &Range<usize>) -> Vec<f64> {
+    let mean = |j: usize| at.clone().map(|k| series.sample(k)[j].powi(2)).sum::<f64>() / at.len().max(1) as f64;
+    (0..series.channels()).map(mean).collect()
+}
+
+/// From the smallest to the largest value of each channel.
+fn spans(series: &Series, at: &Range<usize>) -> Vec<f64> {
+    let values = |j: usize| at.clone().map(move |k| series.sample(k)[j]);
+    let span = |j: usize| values(j).fold(f64::NEG_INFINITY, f64::max) - values(j).fold(f64::INFINITY, f64::min);
+    (0..series.channels()).map(span).collect()
+}
+
+/// Stretches of at least `shortest` samples that are all alike.
+fn stretches(within: &Range<usize>, shortest: usize, is_one: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
+    let mut found = Vec::new();
+    let mut start = within.start;
+    for k in within.start..=within.end {
+        if k < within.end && is_one(k) {
+            continue;
+        }
+        if k - start >= shortest {
+            found.push(start..k);
+        }
+        start = k + 1;
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn short_stretches_are_left_out() {
+        let ones = [3, 4, 5, 8, 9, 10, 11];
+        assert_eq!(stretches(&(2..12), 4, |k| ones.contains(&k)), [8..12]);
+        assert_eq!(stretches(&(2..12), 3, |k| ones.contains(&k)), [3..6, 8..12]);
+    }
+}
