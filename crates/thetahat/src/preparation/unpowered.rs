@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn short_stretches_are_left_out() {
         let ones = [3, 4, 5, 8, 9, 10, 11];
-        assert_eq!(stretches(&(2..12), 4, |k| ones.contains(&k)), [8..12]);
+        assert!(stretches(&(2..12), 5, |k| ones.contains(&k)).is_empty());
         assert_eq!(stretches(&(2..12), 3, |k| ones.contains(&k)), [3..6, 8..12]);
     }
 }
