@@ -22,33 +22,28 @@ impl Setup<'_> {
         if self.robot.base_coordinates() > 0 {
             return Vec::new();
         }
-        let limits: Vec<f64> = squares(torque, window).iter().map(|square| NO_TORQUE * square.sqrt()).collect();
+        let rms: Vec<f64> = squares(torque, window).iter().map(|square| square.sqrt()).collect();
         let ranges = spans(&recording.position, window);
         let shortest = (SHORTEST_S * recording.sample_rate_hz).ceil() as usize;
-        let sums = sums(torque, window);
-        let is_zero = |k: usize| {
-            let [from, to] = [k.saturating_sub(shortest / 2).max(window.start), (k + shortest / 2 + 1).min(window.end)];
-            let [before, until] = [from, to].map(|k| sums.sample(k - window.start));
-            let means = until.iter().zip(before).map(|(until, before)| (until - before) / (to - from) as f64);
-            means.zip(&limits).all(|(mean, limit)| mean.abs() <= *limit)
-        };
         let stands = |at: &Range<usize>| {
             let spans = spans(&recording.position, at);
             spans.iter().zip(&ranges).all(|(span, range)| *span <= NO_MOTION * range)
         };
-        let found = stretches(window, shortest, is_zero).into_iter().filter(stands).collect::<Vec<_>>();
+        let mut found = without_torque(torque, window, shortest, &rms);
+        found.retain(stands);
         if found.is_empty() {
             return found;
         }
         let model = Model::new(self.robot);
         let falls = |at: &Range<usize>| {
             let gravity = self.gravity(&model, recording.position.sample(at.start + at.len() / 2));
-            gravity
-                .iter()
-                .zip(&limits)
-                .any(|(gravity, limit)| gravity.abs() > GRAVITY / NO_TORQUE * limit && *limit > 0.0)
+            gravity.iter().zip(&rms).any(|(gravity, rms)| *rms > 0.0 && gravity.abs() > GRAVITY * rms)
         };
-        found.into_iter().filter(falls).collect()
+        found.retain(falls);
+        // Means near its ends have torques of the motion in them.
+        let wider = |at: Range<usize>| at.start.saturating_sub(shortest / 2)..at.end + shortest / 2;
+        let within = |at: Range<usize>| at.start.max(window.start)..at.end.min(window.end);
+        found.into_iter().map(wider).map(within).collect()
     }
 
     /// The torques with which the described links would be held.
@@ -59,6 +54,18 @@ impl Setup<'_> {
         model.inverse_dynamics(&parameters, State::new(q, &zero), &zero, Sign::Exact, &mut workspace, &mut tau);
         tau
     }
+}
+
+/// Stretches of at least `shortest` samples over which the means of all torques are zero but for a part of their root mean squares.
+fn without_torque(torque: &Series, window: &Range<usize>, shortest: usize, rms: &[f64]) -> Vec<Range<usize>> {
+    let (sums, half) = (sums(torque, window), shortest / 2);
+    let is_zero = |k: usize| {
+        let [from, to] = [k.saturating_sub(half).max(window.start), (k + half + 1).min(window.end)];
+        let [before, until] = [from, to].map(|k| sums.sample(k - window.start));
+        let means = until.iter().zip(before).map(|(until, before)| (until - before) / (to - from) as f64);
+        means.zip(rms).all(|(mean, rms)| mean.abs() <= NO_TORQUE * rms)
+    };
+    stretches(window, shortest, is_zero)
 }
 
 /// Sums of each channel over the samples before each of a range.
