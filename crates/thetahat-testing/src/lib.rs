@@ -7,6 +7,7 @@ mod folder;
 mod legs;
 mod mcap;
 mod mjcf;
+mod noise;
 mod program;
 mod shared;
 mod terms;
@@ -16,6 +17,7 @@ pub use folder::Folder;
 pub use legs::TWO_LEGS;
 pub use mcap::{Cdr, mcap};
 pub use mjcf::users_mjcf;
+pub use noise::noise;
 pub use program::{refused, run, shown, succeeded};
 pub use shared::{
     Module, Named, data, each_night, has_shared, project, root, run_modules, shared, slow_trials, thinned,

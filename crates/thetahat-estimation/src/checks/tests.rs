@@ -7,6 +7,7 @@ use thetahat_ground::series::Series;
 use thetahat_model::{
     base_parameters::BaseParameters, dynamics::Model, dynamics::Sign, regressor::Regressor, robot::Robot,
 };
+use thetahat_testing::noise;
 
 /// A counterweight that follows the slide on an arm that turns. Kinds differ between a coordinate and the joint at its
 /// index: coordinate 0 turns and joint 1 slides, coordinate 1 slides and joint 2 turns.
@@ -137,15 +138,6 @@ fn motion(order: i32, factor: [f64; 2]) -> Series {
         factor[coordinate] * SINES[coordinate].map(sine).iter().sum::<f64>()
     };
     Series::side_by_side(&[0, 1].map(|c| (0..SAMPLES).map(|k| value(c, k)).collect::<Vec<_>>()))
-}
-
-/// Numbers from -1 to 1 that repeat from run to run.
-fn noise() -> impl FnMut() -> f64 {
-    let mut state = 1_u64;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f64 / f64::from(1 << 23) - 1.0
-    }
 }
 
 fn scale(series: &mut Series, coordinate: usize, factor: f64) {

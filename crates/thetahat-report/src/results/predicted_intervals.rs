@@ -145,7 +145,7 @@ impl PredictedIntervals {
         Ok(IntervalsAgainstPrediction {
             rows: [self.rows.first().map_or(0, |row| row.rows), results.decimated_rows],
             parameters: self.rows.iter().filter_map(interval).filter(|compared| compared.predicted > 0.0).collect(),
-            residuals: self.ratios(&found, |joint| joint.residual_rms, |row| row.residual_rms),
+            residuals: self.ratios(&found, |joint| Some(joint.residual_rms), |row| row.residual_rms),
             torques: self.ratios(&found, |joint| joint.torque_rms, |row| row.torque_rms),
             most_correlated: found
                 .iter()
@@ -174,7 +174,7 @@ impl PredictedIntervals {
 /// What the rows of a joint turned out to be.
 struct FoundJoint {
     name: String,
-    residual_rms: Option<f64>,
+    residual_rms: f64,
     torque_rms: Option<f64>,
     correlation: f64,
 }
@@ -184,7 +184,7 @@ fn joints(results: &Results, run: &RunResult) -> Vec<FoundJoint> {
         let name = results.robot_joints.get(joint.joint.checked_sub(1)?)?.name.clone();
         let percent = run.joint_relative_error_percent.get(joint.joint - 1).copied().flatten();
         let torque_rms = percent.filter(|percent| *percent > 0.0).map(|percent| 100.0 * joint.rms / percent);
-        Some(FoundJoint { name, residual_rms: Some(joint.rms), torque_rms, correlation: joint.autocorrelation })
+        Some(FoundJoint { name, residual_rms: joint.rms, torque_rms, correlation: joint.autocorrelation })
     };
     run.residual.iter().flat_map(|residual| &residual.joints).filter_map(of).collect()
 }

@@ -15,7 +15,7 @@ use crate::design::{
         searches::{Searches, Start, sign_scales},
         watch::{Descents, DesignProgress, Watch},
     },
-    text::description::Design,
+    text::{description::Design, validation::WHOLE},
 };
 use thetahat_estimation::trajectory::Moves;
 use thetahat_ground::series::Series;
@@ -23,14 +23,10 @@ use thetahat_model::{
     base_parameters::BaseParameters,
     dynamics::{Model, Sign},
 };
-use thetahat_report::results::{
-    CollisionResults, DesignResults, ExecutedMotion, LimitUse, PredictedGain, PredictedTorques, TrajectoryPoints,
-};
+use thetahat_report::results::{DesignResults, PredictedGain, PredictedTorques, TrajectoryPoints};
 
 /// Points per second for controllers whose rate the design does not state.
 const POINTS_HZ: f64 = 125.0;
-/// Part of a sample by which a motion may miss a whole number of them: rounding.
-const WHOLE: f64 = 1e-6;
 
 /// The predicted intervals, and what they are compared with.
 pub(in crate::design) struct Forecast {
@@ -53,14 +49,10 @@ pub(in crate::design) struct FeasibleMotion {
     /// For files of trajectories, and for `points.csv`.
     pub(in crate::design) points: [TrajectoryPoints; 2],
     pub(in crate::design) torque: Series,
-    pub(in crate::design) uses: Vec<LimitUse>,
-    /// In the simulated loop.
-    pub(in crate::design) executed: ExecutedMotion,
+    pub(in crate::design) verified: Verified,
     pub(in crate::design) starts: Vec<Start>,
     /// The moves, if the motion consists of moves.
     pub(in crate::design) moves: Option<Moves>,
-    /// Distances of shapes, if the design has any.
-    pub(in crate::design) collision: Option<CollisionResults>,
     /// The criterion if the last earlier recording were repeated.
     pub(in crate::design) repeated: Option<f64>,
     /// Descents that had ended when the search was stopped, and all of them.
@@ -135,7 +127,7 @@ impl Design {
         let mut first_error = None;
         for k in 0..starts.len() {
             match self.repaired(model, problem, limits, &starts[k]) {
-                Ok((x, Verified { uses, collision, executed })) => {
+                Ok((x, verified)) => {
                     // The chosen one comes first.
                     starts[..=k].rotate_right(1);
                     let motion = self.sampled(&problem.watched, &x);
@@ -147,11 +139,9 @@ impl Design {
                         motion,
                         points,
                         torque,
-                        uses,
-                        executed,
+                        verified,
                         starts,
                         moves,
-                        collision,
                         repeated,
                         stopped_after,
                     });

@@ -31,5 +31,6 @@ pub use choose::estimate_with_filter;
 pub use error::FilterChoiceError;
 #[doc(hidden)]
 pub use grid::FilterGrid;
+pub(crate) use recorder::residual_of;
 #[doc(hidden)]
 pub use score::sizes;

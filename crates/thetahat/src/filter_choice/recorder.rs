@@ -35,7 +35,7 @@ impl Recorder {
         theta: &[f64],
     ) -> Result<Self, FilterChoiceError> {
         let torque = filtered.centred_torque();
-        let left = residual_of(&torque, &filtered.motion, &problem.model, theta);
+        let left = residual_of(&torque, &filtered.motion, &problem.model, theta, Sign::Exact);
         let lag = lag(problem, columns, &torque, &left)?;
         let noise = match &problem.masks[0] {
             None => left,
@@ -84,14 +84,14 @@ fn lag(problem: &Problem, columns: &[usize], torque: &Series, left: &Series) -> 
 }
 
 /// What a model leaves of torques.
-pub(super) fn residual_of(torque: &Series, motion: &Motion, model: &Model, theta: &[f64]) -> Series {
+pub(crate) fn residual_of(torque: &Series, motion: &Motion, model: &Model, theta: &[f64], sign: Sign) -> Series {
     let (parameters, mut workspace) = (DynamicParameters::sorted(model, theta), Workspace::new(model));
     let mut left = torque.clone();
     let mut tau = vec![0.0; torque.channels()];
     for k in 0..torque.len() {
         let state = State::new(motion.q.sample(k), motion.dq.sample(k));
         let ddq = motion.ddq.sample(k);
-        model.inverse_dynamics(&parameters, state, ddq, Sign::Exact, &mut workspace, &mut tau);
+        model.inverse_dynamics(&parameters, state, ddq, sign, &mut workspace, &mut tau);
         left.sample_mut(k).iter_mut().zip(&tau).for_each(|(left, tau)| *left -= tau);
     }
     left
@@ -116,7 +116,7 @@ mod tests {
         let dq = central_difference(&q, RATE_HZ);
         let motion = Motion { ddq: central_difference(&dq, RATE_HZ), dq, q };
         let theta = vec![0.3; model.parameter_table().len()];
-        let minus = residual_of(&Series::zeros(8000, 6), &motion, &model, &theta);
+        let minus = residual_of(&Series::zeros(8000, 6), &motion, &model, &theta, Sign::Exact);
         let torque = Series::shaped(6, minus.values().iter().map(|v| -v).collect());
         let torque = delayed(&torque, &[samples; 6]);
         (robot, Recording::new(RATE_HZ, motion.q, torque))

@@ -16,7 +16,7 @@ use thetahat_estimation::{
 };
 use thetahat_ground::series::Series;
 use thetahat_model::{
-    dynamics::Model,
+    dynamics::{Model, Sign},
     robot::{JointQuantity, Quantity, Robot},
 };
 
@@ -133,7 +133,8 @@ impl Mover<'_> {
             }
             Err(_) => {
                 let motion = differentiated(reference, rate);
-                let none = residual_of(&Series::zeros(samples, motion.q.channels()), &motion, self.model, self.theta);
+                let zero = Series::zeros(samples, motion.q.channels());
+                let none = residual_of(&zero, &motion, self.model, self.theta, Sign::Exact);
                 let torque = Series::shaped(none.channels(), none.values().iter().map(|v| -v).collect());
                 (motion.q, torque, self.static_friction(&motion.dq, sign_velocity_scale))
             }

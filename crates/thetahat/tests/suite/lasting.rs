@@ -8,6 +8,7 @@ use thetahat::{
     results::Verdict,
     robot::RobotSource,
 };
+use thetahat_testing::noise;
 
 const RATE_HZ: f64 = 200.0;
 const SAMPLES: usize = 8000;
@@ -17,15 +18,6 @@ const SINES: [[[f64; 2]; 2]; 2] = [[[0.9, 0.8], [1.7, 0.4]], [[1.3, 0.7], [2.1, 
 fn robot() -> Robot {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/two_joint.toml");
     RobotSource::read(&path).unwrap().robot_with_locks(&Default::default(), &path).unwrap()
-}
-
-/// Numbers from -1 to 1 that repeat from run to run.
-fn noise() -> impl FnMut() -> f64 {
-    let mut state = 1_u64;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f64 / f64::from(1 << 23) - 1.0
-    }
 }
 
 /// Torques of the a-priori robot with white noise, and those of a hardening spring at the first joint that no description has.

@@ -8,6 +8,7 @@ use thetahat::{
     results::Verdict,
     robot::RobotSource,
 };
+use thetahat_testing::noise;
 
 const RATE_HZ: f64 = 200.0;
 const SAMPLES: usize = 8000;
@@ -42,11 +43,8 @@ fn recording(robot: &Robot, brakes: bool) -> Recording {
     let theta = robot.a_priori_parameters();
     let parameters = DynamicParameters::sorted(&model, &theta);
     let (joints, mut workspace) = (model.coordinate_count(), Workspace::new(&model));
-    let (mut positions, mut torques, mut state) = (Vec::new(), Vec::new(), 1_u64);
-    let mut noise = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f64 / f64::from(1 << 23) - 1.0
-    };
+    let (mut positions, mut torques) = (Vec::new(), Vec::new());
+    let mut noise = noise();
     for k in 0..SAMPLES {
         let t = k as f64 / RATE_HZ;
         let each = |of: &dyn Fn(usize) -> f64| (0..joints).map(of).collect::<Vec<_>>();

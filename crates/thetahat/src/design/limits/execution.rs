@@ -10,7 +10,7 @@ use crate::design::{
 };
 use crate::{preparation::Setup, scheduling::closed_loop};
 use thetahat_estimation::{
-    control::{ControllerDescription, Law, VelocityEstimate},
+    control::ControllerDescription,
     simulation::{OutputGrid, Reference, SampledReference, SimulatedMotion, SimulationError, SimulatorBias},
 };
 use thetahat_ground::series::Series;
@@ -20,23 +20,8 @@ use thetahat_report::results::{ExecutedMotion, Limited};
 /// What the loop may exceed although the motion does not.
 const OF_THE_LOOP: [Limited; 3] = [Limited::Velocity, Limited::Torque, Limited::Power];
 
-/// The controller of a rehearsal whose design describes none.
-pub(in crate::design) fn usual_controller() -> ControllerDescription {
-    ControllerDescription {
-        law: Law::Pd,
-        bandwidth_hz: vec![10.0],
-        damping: 1.0,
-        position_gain: Vec::new(),
-        velocity_gain: Vec::new(),
-        velocity_feed_forward: 1.0,
-        acceleration_feed_forward: 1.0,
-        saturation: Vec::new(),
-        sample_time_s: 0.0,
-        delay_s: 0.0,
-        velocity: VelocityEstimate::default(),
-        own: None,
-    }
-}
+/// Bandwidth of the controller of a rehearsal whose design describes none, Hz.
+const USUAL_HZ: f64 = 10.0;
 
 impl Design {
     /// The limits in the loop of a motion's positions `q` at `sample_rate_hz`, of the robot with its payload and with assumed drives where it has
@@ -47,7 +32,7 @@ impl Design {
         limits: &[JointLimits],
         q: &Series,
     ) -> Result<ExecutedMotion, DesignError> {
-        let controller = self.settings.controller.clone().unwrap_or_else(usual_controller);
+        let controller = self.settings.controller.clone().unwrap_or_else(|| ControllerDescription::pd(USUAL_HZ));
         let is_stated = self.settings.controller.is_some();
         let robot = self.robot_of_loop(model)?;
         Ok(match self.followed(model, &controller, q, &robot, RATE_HZ) {
@@ -89,6 +74,6 @@ mod tests {
     fn the_usual_controller_is_that_of_the_rehearsal() {
         let table: toml::Table = USUAL_CONTROLLER.parse().unwrap();
         let read: ControllerDescription = table["controller"].clone().try_into().unwrap();
-        assert_eq!(read, usual_controller());
+        assert_eq!(read, ControllerDescription::pd(USUAL_HZ));
     }
 }

@@ -30,7 +30,7 @@ impl Design {
             expected.half_width_95.iter().zip(halves).map(|(predicted, wanted)| (predicted / wanted).powi(2)).collect();
         let known = problem.information.prior().cloned();
         let own = problem.information.of_motion_alone(motion);
-        let alone = inverse(&own);
+        let alone = known.as_ref().and_then(|_| inverse(&own));
         let after = |i: usize| -> Option<f64> {
             let Some((known, alone)) = known.as_ref().zip(alone.as_ref()) else { return Some(duration_s * times[i]) };
             let name = &expected.parameters[i].name;

@@ -2,6 +2,7 @@
 
 use crate::design::{
     error::DesignError,
+    limits::verified::Verified,
     prediction::expected::{Expected, predicted_method},
     run::{FeasibleMotion, Forecast},
     text::{description::Design, experiment_text::experiment_text, options::UncertaintyOptions},
@@ -38,18 +39,8 @@ impl Design {
         forecast: Forecast,
     ) -> Result<DesignResults, DesignError> {
         let predicted = self.predicted(model, base, &forecast);
-        let FeasibleMotion {
-            motion,
-            points,
-            torque,
-            uses,
-            executed,
-            starts,
-            moves,
-            collision,
-            repeated,
-            stopped_after,
-        } = chosen;
+        let FeasibleMotion { motion, points, torque, verified, starts, moves, repeated, stopped_after } = chosen;
+        let Verified { uses, collision, executed } = verified;
         if let Some(file) = self.compared_file().filter(|_| predicted.iter().all(|p| p.compared.is_none())) {
             return Err(DesignError::NothingToCompare { path: self.path.clone(), file });
         }

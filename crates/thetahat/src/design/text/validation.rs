@@ -19,7 +19,7 @@ use thetahat_model::{
 /// Most samples of a motion, at its own rate and at 1 kHz, at which its limits are verified.
 const MOST_SAMPLES: f64 = 1e6;
 /// Part of a sample by which a motion may miss a whole number of them: rounding.
-const WHOLE: f64 = 1e-6;
+pub(in crate::design) const WHOLE: f64 = 1e-6;
 /// Most robots that are drawn: each costs its torques in every step.
 const MOST_DRAWS: usize = 100;
 /// Shortest motion, in periods of the position filter's cut-off: the edges cost five at either end.

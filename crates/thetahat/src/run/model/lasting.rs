@@ -7,10 +7,10 @@ use super::{
     factors::{SETTLED, near_rest_limits},
     variant::Variant,
 };
-use crate::run::prepared::PreparedRecording;
+use crate::{filter_choice::residual_of, run::prepared::PreparedRecording};
 use thetahat_estimation::signal::Motion;
 use thetahat_ground::series::Series;
-use thetahat_model::dynamics::{DynamicParameters, Model, Sign, State, Workspace};
+use thetahat_model::dynamics::Sign;
 
 /// Part of a period of the position filter's cut-off after which noise that passed it is as often of one sign as of the other.
 const OF_PERIOD: f64 = 0.25;
@@ -48,12 +48,12 @@ pub(super) fn lasting_percent(variant: &Variant<'_>, choice: &Choice, transition
     if !problem.model.channels().is_empty() {
         return None;
     }
-    let errors = Errors { model: &problem.model, standard: &choice.standard, transition };
     let (mut lasting, mut torque) = (0.0, 0.0);
     for prepared in identification.main.iter() {
         let lag = lag(prepared, setup.settings.signal.cutoff_hz);
-        let (tau, left) = errors.of(prepared);
-        let products = products(prepared, &left, lag, transition);
+        let (tau, motion) = middle(prepared);
+        let left = residual_of(&tau, &motion, &problem.model, &choice.standard, Sign::Smooth { scale: transition });
+        let products = products(&left, &motion.dq, &moving_from(prepared, transition), lag);
         let samples = tau.len() as f64;
         lasting += samples * products.iter().map(|of_joint| of_joint.lasting(lag)).sum::<f64>();
         torque += tau.values().iter().map(|tau| tau * tau).sum::<f64>();
@@ -82,51 +82,29 @@ fn motion_hz(motion: &Motion) -> f64 {
     (0..motion.q.channels()).map(of_joint).fold(0.0, f64::max)
 }
 
-/// A robot whose torques are subtracted from recorded ones.
-struct Errors<'a> {
-    model: &'a Model,
-    standard: &'a [f64],
-    transition: f64,
+/// Torques and motion of the samples in the middle of the window.
+fn middle(prepared: &PreparedRecording) -> (Series, Motion) {
+    let Motion { q, dq, ddq } = &prepared.filtered.motion;
+    let kept = q.len().min(MOST_SAMPLES);
+    let start = (q.len() - kept) / 2;
+    let cut = |series: &Series| series.window(start..start + kept);
+    (cut(&prepared.filtered.centred_torque()), Motion { q: cut(q), dq: cut(dq), ddq: cut(ddq) })
 }
 
-impl Errors<'_> {
-    /// Torques, and what is left of them, of the middle samples of the window.
-    fn of(&self, prepared: &PreparedRecording) -> (Series, Series) {
-        let middle = middle(prepared);
-        let tau = prepared.filtered.centred_torque().window(middle.clone());
-        let motion = &prepared.filtered.motion;
-        let parameters = DynamicParameters::sorted(self.model, self.standard);
-        let (mut left, mut workspace) = (tau.clone(), Workspace::new(self.model));
-        let mut predicted = vec![0.0; tau.channels()];
-        let sign = Sign::Smooth { scale: self.transition };
-        for (k, sample) in middle.enumerate() {
-            let state = State::new(motion.q.sample(sample), motion.dq.sample(sample));
-            let ddq = motion.ddq.sample(sample);
-            self.model.inverse_dynamics(&parameters, state, ddq, sign, &mut workspace, &mut predicted);
-            left.sample_mut(k).iter_mut().zip(&predicted).for_each(|(left, tau)| *left -= tau);
-        }
-        (tau, left)
-    }
-}
-
-/// Samples of the window, from its first.
-fn middle(prepared: &PreparedRecording) -> std::ops::Range<usize> {
-    let samples = prepared.filtered.motion.q.len();
-    let kept = samples.min(MOST_SAMPLES);
-    let start = (samples - kept) / 2;
-    start..start + kept
-}
-
-fn products(prepared: &PreparedRecording, left: &Series, lag: usize, transition: f64) -> Vec<Products> {
-    let joints = left.channels();
+/// The velocity from which each joint moves.
+fn moving_from(prepared: &PreparedRecording, transition: f64) -> Vec<f64> {
+    let joints = prepared.filtered.motion.dq.channels();
     let limits = near_rest_limits(prepared.filtered.near_rest.as_ref(), joints);
-    let first = middle(prepared).start;
-    let moves = |k: usize, j: usize| {
-        prepared.filtered.motion.dq.sample(first + k)[j].abs() > limits[j].max(SETTLED * transition)
-    };
-    let mut products = vec![Products::default(); joints];
+    limits.into_iter().map(|limit| limit.max(SETTLED * transition)).collect()
+}
+
+fn products(left: &Series, dq: &Series, moving_from: &[f64], lag: usize) -> Vec<Products> {
+    let mut products = vec![Products::default(); left.channels()];
     for k in 0..left.len().saturating_sub(lag) {
-        for (j, of_joint) in products.iter_mut().enumerate().filter(|(j, _)| moves(k, *j) && moves(k + lag, *j)) {
+        for (j, of_joint) in products.iter_mut().enumerate() {
+            if [k, k + lag].iter().any(|&k| dq.sample(k)[j].abs() <= moving_from[j]) {
+                continue;
+            }
             let [now, later] = [k, k + lag].map(|k| left.sample(k)[j]);
             of_joint.apart += now * later;
             of_joint.squares += now * now;

@@ -110,8 +110,8 @@ fn results_are_known_before_with_their_model() {
     // The elbow alone.
     let work = (0..2000).map(|k| format!("0.1,{}\n", 0.8 * (0.02 * f64::from(k)).sin()));
     folder.write("work.csv", format!("q_1,q_2\n{}", work.collect::<String>()));
-    let wanted =
-        "[wanted]\nmotion = { file = 'work.csv', columns = ['q_1', 'q_2'], unit = 'rad' }\ntorque_percent = 0.05\n";
+    let wanted = "[wanted]\nmotion = { file = 'work.csv', columns = ['q_1', 'q_2'], unit = 'rad' }\ntorque_percent = 0.05\n\
+                  half_width_percent = 0.5\n";
     let next = with_controller().replace("[motion]", &format!("prior = ['results.json']\n{wanted}[motion]"));
     let next = Design::parse(&next, &design.path).unwrap();
     let model = results.model.as_ref().unwrap();
@@ -125,17 +125,15 @@ fn results_are_known_before_with_their_model() {
     let torques = known.wanted_torques.as_ref().unwrap();
     println!("{torques:?}");
     assert!(torques.percent < torques.before_percent.unwrap());
-    // The same motion was recorded once: what it takes is less than without that recording, by at most its own duration.
+    // The motion was recorded once, for 4 s: what it brings within 2 s is known. Without it 10 % are wanted, which takes less by the square.
     let of = |name: &str| known.predicted.iter().find(|p| p.name == name).and_then(|p| p.seconds);
-    for p in alone.predicted.iter().filter(|p| p.seconds.is_some_and(|s| (8.0..1e5).contains(&s))) {
-        assert!(
-            of(&p.name).is_some_and(|seconds| seconds < p.seconds.unwrap()),
-            "{}: {:?} {:?}",
-            p.name,
-            of(&p.name),
-            p.seconds
-        );
-    }
+    let without = |seconds: f64| seconds * (10.0_f64 / 0.5).powi(2);
+    let times = alone.predicted.iter().filter_map(|p| Some((without(p.seconds?), of(&p.name)?)));
+    let times: Vec<(f64, f64)> = times.collect();
+    println!("seconds without and with the earlier recording: {times:.3?}");
+    let [brought, others]: [Vec<_>; 2] = [true, false].map(|is| times.iter().filter(|t| (t.0 < 2.0) == is).collect());
+    assert!(!brought.is_empty() && brought.iter().all(|(_, with)| *with == 0.0), "{times:?}");
+    assert!(!others.is_empty() && others.iter().all(|(_, with)| *with > 0.0), "{times:?}");
     // The criterion of these torques beats the default one in them.
     let torque = |criterion: &str| {
         let text = with_controller().replace("[motion]", &format!("{}criterion = '{criterion}'\n[motion]", wanted));
