@@ -83,9 +83,10 @@ pub struct ChannelSource {
     /// A numeric column with the channel of each row, for rows that contain one channel each. Channels are ordered by their numbers.
     #[serde(default)]
     pub channel_column: Option<String>,
-    /// Delay of the values, s: the value at a time is the one recorded that much later. Negative if they are early.
-    #[serde(default)]
-    pub delay_s: f64,
+    /// Delay of the values, s, or a list with one for each channel: the value at a time is the one recorded that much later. Negative if
+    /// they are early.
+    #[serde(default = "no_delay")]
+    pub delay_s: OneOrEach<f64>,
     /// Whether a torque holds until the next sample, as from a sampled controller: it then acts half a step later than it was recorded.
     #[serde(default)]
     pub held: bool,
@@ -103,6 +104,10 @@ pub enum Side {
     /// The joint side: after the gears.
     #[default]
     Joint,
+}
+
+fn no_delay() -> OneOrEach<f64> {
+    OneOrEach::One(0.0)
 }
 
 impl ChannelSource {
@@ -135,7 +140,7 @@ impl ChannelSource {
             channels_in_rows: false,
             interleaved: None,
             channel_column: None,
-            delay_s: 0.0,
+            delay_s: no_delay(),
             held: false,
             anywhere: true,
         }
@@ -297,7 +302,13 @@ impl ChannelSource {
     pub(super) fn can_be_read_in_pieces(&self) -> bool {
         let is_split = self.is_split_time() || self.columns.iter().any(|name| name.contains('+'));
         let is_whole = self.channels_in_rows || self.drop_cut_line || self.episode.is_some() || is_split;
-        self.layout() == Layout::Columns && !is_whole && self.delay_s == 0.0
+        self.layout() == Layout::Columns && !is_whole && !self.is_delayed()
+    }
+
+    /// Whether a channel has a delay.
+    #[must_use]
+    pub fn is_delayed(&self) -> bool {
+        self.delay_s.given().iter().any(|delay| *delay != 0.0)
     }
 
     /// Whether two columns are one time: seconds and the nanoseconds beyond them, by their units.
@@ -468,7 +479,7 @@ mod tests {
             channels_in_rows: false,
             interleaved: None,
             channel_column: None,
-            delay_s: 0.0,
+            delay_s: no_delay(),
             held: false,
             anywhere: false,
         }

@@ -59,6 +59,9 @@ pub enum RemedyStep {
     Delay {
         /// The additional delay.
         delay_s: f64,
+        /// The joints whose torques are; all if none is named.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        joints: Vec<usize>,
     },
     /// States that the torques hold until the next sample.
     Hold,
@@ -97,10 +100,18 @@ pub enum RemedyStep {
         /// Where it is, rad or m.
         value: f64,
     },
-    /// Adds a torque term to all joints.
+    /// Adds a torque term.
     AddTerm {
         /// Its kind, as in a `[[term]]`.
         term: String,
+        /// The names of the joints that have it; all if none is named.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        joints: Vec<String>,
+    },
+    /// States gravity in the base frame.
+    Gravity {
+        /// Its acceleration, m/s^2.
+        gravity: [f64; 3],
     },
 }
 

@@ -1,5 +1,7 @@
 //! Errors of the robot or of the recordings that the residual of the model shows.
 
+use std::f64::consts::PI;
+
 use serde::{Deserialize, Serialize};
 
 use super::diagnosis::MovedParameter;
@@ -33,11 +35,19 @@ pub enum CauseKind {
     FrictionDrift,
     /// The last link is another body from some instant on.
     Payload,
+    /// Gravity has another direction in the base frame: the base is tilted.
+    GravityDirection,
+    /// The torque of a joint is also in that of another.
+    Crosstalk,
+    /// The recorded torque grows faster than the torque: the motor's constant falls with the current.
+    FallingConstant,
+    /// A spring acts on a joint.
+    JointSpring,
 }
 
 impl CauseKind {
     /// All kinds.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 16] = [
         Self::LateTorque,
         Self::EncoderZero,
         Self::GearRatio,
@@ -50,6 +60,10 @@ impl CauseKind {
         Self::SpeedFriction,
         Self::FrictionDrift,
         Self::Payload,
+        Self::GravityDirection,
+        Self::Crosstalk,
+        Self::FallingConstant,
+        Self::JointSpring,
     ];
 
     /// What it is, in words.
@@ -68,6 +82,10 @@ impl CauseKind {
             Self::SpeedFriction => "friction with another law over the speed",
             Self::FrictionDrift => "friction that changes with time",
             Self::Payload => "a payload that is picked up or put down",
+            Self::GravityDirection => "a base that is tilted",
+            Self::Crosstalk => "a torque that is also in another",
+            Self::FallingConstant => "a motor constant that falls with the torque",
+            Self::JointSpring => "a spring",
         }
     }
 
@@ -76,7 +94,8 @@ impl CauseKind {
     pub fn with_subject(self, subject: &str) -> String {
         match self {
             _ if subject.is_empty() => self.words().to_owned(),
-            Self::Payload | Self::OffsetDrift => format!("{} {subject}", self.words()),
+            Self::Payload | Self::OffsetDrift | Self::GravityDirection => format!("{} {subject}", self.words()),
+            Self::Crosstalk => format!("{}: that of {subject}", self.words()),
             Self::LateTorque
             | Self::EncoderZero
             | Self::GearRatio
@@ -86,7 +105,9 @@ impl CauseKind {
             | Self::Coupling
             | Self::LoadFriction
             | Self::SpeedFriction
-            | Self::FrictionDrift => format!("{} of {subject}", self.words()),
+            | Self::FrictionDrift
+            | Self::FallingConstant
+            | Self::JointSpring => format!("{} of {subject}", self.words()),
         }
     }
 }
@@ -160,7 +181,10 @@ impl SmallestShown {
 fn shown_in(kind: CauseKind, unit: &str) -> (f64, &str) {
     match (kind, unit) {
         (CauseKind::LateTorque, _) => (1e3, "ms"),
-        (CauseKind::GearRatio | CauseKind::DriveGain, _) => (100.0, "%"),
+        (CauseKind::GearRatio | CauseKind::DriveGain | CauseKind::Crosstalk | CauseKind::FallingConstant, _) => {
+            (100.0, "%")
+        }
+        (CauseKind::GravityDirection, _) => (180.0 / PI, "deg"),
         (CauseKind::Length, _) | (CauseKind::EncoderZero, "m") => (1e3, "mm"),
         (_, unit) => (1.0, unit),
     }

@@ -53,6 +53,8 @@ pub use loops::{Loop, LoopFrame, LoopKind};
 pub use mjcf::MjcfError;
 pub use parameters::{Parameter, ParameterTable};
 pub use physical::NotPhysical;
+#[doc(hidden)]
+pub use physical::{EXPECTED_GRAVITY, is_gravity};
 pub use quantity::{
     Bound, Friction, INERTIAL, JointQuantity, LinkQuantity, MotorQuantity, Quantity, Role, TermQuantity,
 };

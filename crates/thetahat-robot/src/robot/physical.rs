@@ -4,10 +4,24 @@ use super::{
     parameters::ParameterTable,
     quantity::{Bound, INERTIAL, Quantity},
 };
-use thetahat_ground::linear_algebra::Matrix;
+use thetahat_ground::{linear_algebra::Matrix, vector::norm};
 
 /// Size of an inertia, relative to the largest, below which it is rounding.
 const ROUNDING: f64 = 1e-12;
+/// Magnitudes of gravity that are accepted, m/s^2: from below that of the Moon, to allow rounding in inclined frames, to three
+/// times that of the Earth. Smaller numbers are probably given in g.
+const GRAVITY: std::ops::RangeInclusive<f64> = 1.5..=30.0;
+
+/// What [`is_gravity`] accepts, in words.
+pub const EXPECTED_GRAVITY: &str =
+    "m/s^2 in the base frame, of length 1.5 to 30, such as [0, 0, -9.81] (1 g is 9.81 m/s^2), or zeros";
+
+/// Whether a vector is gravity in m/s^2, or zeros.
+#[must_use]
+pub fn is_gravity(gravity: [f64; 3]) -> bool {
+    let length = norm(gravity);
+    length == 0.0 || GRAVITY.contains(&length)
+}
 
 /// Why a set of standard parameters is physically impossible.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

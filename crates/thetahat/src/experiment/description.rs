@@ -52,6 +52,8 @@ pub struct ExperimentFile {
     pub robot: PathBuf,
     /// The joints of the robot that do not move in the recordings, in addition to those that its description locks.
     pub locks: Locks,
+    /// Acceleration of gravity in the base frame, m/s^2, instead of that of the description.
+    pub gravity: Option<[f64; 3]>,
     /// Torque terms in addition to those of the robot's description: `[[term]]`.
     pub terms: Vec<TermDescription>,
     /// The recordings to identify from: one `[recording]` or several `[[recording]]`.
@@ -74,6 +76,7 @@ struct Tables {
     locked: BTreeMap<String, f64>,
     #[serde(default, deserialize_with = "one_or_each::list")]
     until: Vec<String>,
+    gravity: Option<[f64; 3]>,
     #[serde(default)]
     term: Vec<TermDescription>,
     #[serde(default, deserialize_with = "one_or_several")]
@@ -102,8 +105,8 @@ impl Tables {
     fn split(self) -> (ExperimentFile, Settings) {
         let Self { title, robot, recording, validation, twin, signal, parameters, estimation, controller, .. } = self;
         let locks = Locks { locked: self.locked, until: self.until };
-        let (terms, published) = (self.term, self.published);
-        let file = ExperimentFile { title, robot, locks, terms, recording, validation, twin, published };
+        let (gravity, terms, published) = (self.gravity, self.term, self.published);
+        let file = ExperimentFile { title, robot, locks, gravity, terms, recording, validation, twin, published };
         let (simulation, model, cases, payloads) = (self.simulation, self.model, self.case, self.payload);
         (file, Settings { signal, parameters, estimation, controller, simulation, model, cases, payloads })
     }
@@ -329,6 +332,7 @@ impl Experiment {
         source: RobotSource,
     ) -> Result<Self, ExperimentError> {
         let (mut robot, robot_text) = (source.robot_with_locks(&file.locks, path)?, source.to_text());
+        robot.gravity = file.gravity.unwrap_or(robot.gravity);
         robot
             .add_terms(&file.terms)
             .map_err(|source| RobotError::Term { path: path.to_owned(), source: Box::new(source) })?;

@@ -97,7 +97,7 @@ impl Experiment {
             let found = if base.position.is_some() { "both" } else { "neither" };
             return refuse("[recording.base]", "position or specific_force", found);
         }
-        if let Some(source) = base.sources().find(|source| source.delay_s != 0.0 || source.side == Side::Motor) {
+        if let Some(source) = base.sources().find(|source| source.is_delayed() || source.side == Side::Motor) {
             let found = source.file.display().to_string();
             return refuse("[recording.base]", "channels without delay_s and side = \"motor\"", &found);
         }

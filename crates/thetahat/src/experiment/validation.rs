@@ -7,7 +7,7 @@ use super::{
 };
 use crate::preparation::{PreparationError, validate_window};
 use thetahat_data::recording::{ChannelSource, Dimension, Side};
-use thetahat_model::robot::JointKind;
+use thetahat_model::robot::{EXPECTED_GRAVITY, JointKind, is_gravity};
 
 /// Longest rest of a twin, s.
 const LONGEST_REST_S: f64 = 3600.0;
@@ -31,6 +31,9 @@ impl Experiment {
                 let why = "exactly one of the two gives the motion and torques";
                 return Err(self.missing("[recording] or [twin]", why));
             }
+        }
+        if let Some(gravity) = self.file.gravity {
+            self.require(is_gravity(gravity), "gravity", EXPECTED_GRAVITY, format!("{gravity:?}"))?;
         }
         for recording in self.file.recording.iter().chain(&self.file.validation) {
             self.validate_recording(recording)?;
@@ -65,19 +68,26 @@ impl Experiment {
         }
         let sources = [&recording.torque, &recording.velocity, &recording.reference, &recording.added_signal];
         for source in sources.into_iter().flatten().chain([&recording.position]).chain(recording.channels.values()) {
-            let delay = source.delay_s;
-            self.require(delay.abs() <= LONGEST_DELAY_S, "[recording] delay_s", "from -60 to 60 s", delay)?;
+            for delay in source.delay_s.given() {
+                self.require(delay.abs() <= LONGEST_DELAY_S, "[recording] delay_s", "from -60 to 60 s", delay)?;
+            }
+        }
+        let of_joints = sources.into_iter().flatten().chain([&recording.position]);
+        for source in of_joints {
+            let n = self.robot.coordinate_count();
+            let expected = format!("one number, or a list of {n}");
+            let found = format!("a list of {}", source.delay_s.given().len());
+            self.require(source.delay_s.fits(n), "[recording] delay_s", &expected, found)?;
+        }
+        for source in recording.channels.values() {
+            self.require(source.delay_s.given().len() == 1, "[recording.channels] delay_s", "one number", "a list")?;
         }
         let others = [&recording.velocity, &recording.reference, &recording.added_signal].into_iter().flatten();
         let held = others.chain([&recording.position]).chain(recording.channels.values()).any(|source| source.held);
         self.require(!held, "[recording] held", "for the torque alone", held)?;
         if let Some(time) = &recording.time {
-            self.require(
-                time.delay_s == 0.0,
-                "[recording] time: delay_s",
-                "0: signals are late, not times",
-                time.delay_s,
-            )?;
+            let expected = "0: signals are late, not times";
+            self.require(!time.is_delayed(), "[recording] time: delay_s", expected, "another number")?;
             time.require_dimension("time", &[Dimension::Time])?;
         }
         match (recording.sample_rate_hz, &recording.time) {

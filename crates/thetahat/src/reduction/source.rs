@@ -66,7 +66,7 @@ impl<'a> Source<'a> {
             return Err(experiment.missing("[recording] torque", why).into());
         };
         let (sources, places) = sources_of(description, torque, simulated);
-        if sources.iter().any(|source| source.delay_s != 0.0) {
+        if sources.iter().any(|source| source.is_delayed()) {
             return Self::whole(experiment, description, (number, data));
         }
         let Some(signals) = SignalPieces::open(&sources, data).map_err(ExperimentError::from)? else {

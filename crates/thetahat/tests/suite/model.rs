@@ -10,7 +10,7 @@ use thetahat::{
     results::{ModelResult, Verdict},
 };
 use thetahat_model::robot::TermDescription;
-use thetahat_report::results::{CauseKind, ModelParameter, UseGrade};
+use thetahat_report::results::{CauseKind, ModelCause, ModelParameter, UseGrade};
 
 fn experiment() -> Experiment {
     let mut experiment = Experiment::demo().unwrap();
@@ -98,6 +98,36 @@ fn late_torques_are_named_with_their_delay() {
     // The twin stands still between its moves, where the filter rings: the size is a lower bound.
     let size = cause.size.unwrap();
     assert!(size > 0.0 && size < 1.2 * delay_s, "{size} s of {delay_s}");
+}
+
+/// The causes of a recording whose torques were changed, sample by sample.
+fn causes_of(change: impl Fn(&[f64], &mut [f64])) -> Vec<ModelCause> {
+    let clean = recording();
+    let mut torque = clean.torque.clone().unwrap();
+    (0..torque.len()).for_each(|k| change(clean.position.sample(k), torque.sample_mut(k)));
+    model(&identify(Recording { torque: Some(torque), ..clean })).causes.clone()
+}
+
+fn size_of(causes: &[ModelCause], kind: CauseKind, subject: &str) -> f64 {
+    let cause = causes.iter().find(|c| c.kind == kind && c.subject == subject);
+    cause.and_then(|c| c.size).unwrap_or_else(|| panic!("{causes:?}"))
+}
+
+#[test]
+fn torques_that_sensors_and_springs_falsify_are_named_with_their_size() {
+    let mixed = causes_of(|_, torque| torque[2] += 0.03 * torque[1]);
+    let mixed = size_of(&mixed, CauseKind::Crosstalk, "joint 2 in joint 3");
+    assert!((mixed - 0.03).abs() < 0.003, "{mixed}");
+
+    let sprung = causes_of(|position, torque| torque[1] += 20.0 * position[1]);
+    let sprung = size_of(&sprung, CauseKind::JointSpring, "joint 2");
+    assert!((sprung - 20.0).abs() < 4.0, "{sprung}");
+
+    let clean = recording().torque.unwrap().channel(0);
+    let largest = clean.iter().fold(0.0, |largest: f64, torque| largest.max(torque.abs()));
+    let falling = causes_of(|_, torque| torque[0] *= 1.0 + 0.1 * (torque[0] / largest).powi(2));
+    let falling = size_of(&falling, CauseKind::FallingConstant, "joint 1");
+    assert!(falling > 0.03 && falling < 0.2, "{falling}");
 }
 
 /// The zero of joint 2 by 0.1 rad: the cause, or a rival that the recording cannot tell from it.

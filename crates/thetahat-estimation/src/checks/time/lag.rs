@@ -214,11 +214,14 @@ impl Delay {
         self.is_common && subject.held_part_of_step == 0.0 && MEASURED_HELD.contains(&self.samples())
     }
 
-    /// The delay to state; none if it is not one of all joints.
-    fn step(&self, subject: &Subject<'_>) -> Option<RemedyStep> {
+    /// The delay to state.
+    fn step(&self, subject: &Subject<'_>) -> RemedyStep {
+        if self.is_held(subject) {
+            return RemedyStep::Hold;
+        }
         let delay_s = (1e6 * self.samples() / self.rate).round() / 1e6;
-        let step = if self.is_held(subject) { RemedyStep::Hold } else { RemedyStep::Delay { delay_s } };
-        self.is_common.then_some(step)
+        let joints = if self.is_common { Vec::new() } else { self.joints.iter().map(|j| j + 1).collect() };
+        RemedyStep::Delay { delay_s, joints }
     }
 
     fn finding_text(&self, joint_number: Option<usize>, subject: &Subject<'_>) -> FindingText {

@@ -11,6 +11,7 @@ use crate::{
         examination::{Evidence, Examination, FindingText},
         finding::{Code, Severity},
         fit::{orthogonal_fit::OrthogonalFit, thinned_recording::ThinnedRecording},
+        remedy_step::RemedyStep,
     },
     regression::Regression,
 };
@@ -26,6 +27,8 @@ use thetahat_model::{
     robot::{Quantity, Robot},
 };
 
+/// Steps of the stated gravity in one m/s^2.
+const DIGITS: f64 = 1e4;
 /// Factor by which another direction of gravity must reduce the squared residual.
 const LIMIT: f64 = 1.3;
 /// Smallest change of direction that is reported, degrees.
@@ -33,6 +36,9 @@ const LEAST_DEG: f64 = 2.0;
 /// Change of direction in degrees, or factor by which the squared residual decreases, above which all estimates are wrong.
 const WRONG_DEG: f64 = 10.0;
 const WRONG_RATIO: f64 = 4.0;
+/// Change of direction in degrees beyond which parameters of the other sign explain as much: exchanged arms of a torso look like a robot
+/// that hangs.
+const TURNED_DEG: f64 = 90.0;
 /// Relative error of the fit with another gravity above which gravity does not explain it: the description may be of another
 /// robot.
 const POOR: f64 = 0.15;
@@ -76,12 +82,13 @@ fn finding_text(ratio: f64, found: Vec3, angle: f64) -> FindingText {
          the robot hangs, is mounted on a wall, or its base is tilted",
         significant(ratio.sqrt(), 3)
     );
+    let exact = found.map(|component| (component * DIGITS).round() / DIGITS);
     let remedy = format!(
-        "check how the base is mounted; if it is mounted so, give gravity = [{gravity}] in the robot's TOML (for a URDF: a TOML \
-         with urdf = \"...\" and that line); otherwise check the zeros of the first joints, and whether the description is of \
-         this robot"
+        "check how the base is mounted; if it is mounted so, state gravity = {exact:?} at the top of the experiment; otherwise check \
+         the zeros of the first joints, and whether the description is of this robot"
     );
-    FindingText::new(message, remedy)
+    let is_sure = angle < TURNED_DEG || ratio > WRONG_RATIO;
+    FindingText::new(message, remedy).with_step(is_sure.then_some(RemedyStep::Gravity { gravity: exact }))
 }
 
 fn angle_deg(a: Vec3, b: Vec3) -> f64 {

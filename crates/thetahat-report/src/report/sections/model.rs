@@ -130,7 +130,13 @@ fn causes(model: &ModelResult) -> Option<Table> {
         .filter(|c| !c.rivals.is_empty())
         .map(|c| format!("{} is not separated from {}", c.kind.with_subject(&c.subject), c.rivals.join(", ")));
     let smallest = (!model.smallest_shown.is_empty()).then(|| {
-        let kinds = [CauseKind::GearRatio, CauseKind::DriveGain, CauseKind::EncoderZero, CauseKind::Length];
+        let kinds = [
+            CauseKind::GearRatio,
+            CauseKind::DriveGain,
+            CauseKind::EncoderZero,
+            CauseKind::Length,
+            CauseKind::GravityDirection,
+        ];
         let least = |kind: &CauseKind| {
             let of_kind = model.smallest_shown.iter().filter(|s| s.kind == *kind);
             of_kind.min_by(|a, b| a.size.total_cmp(&b.size)).map(SmallestShown::in_words)

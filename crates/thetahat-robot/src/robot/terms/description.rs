@@ -285,7 +285,9 @@ impl TermDescription {
     }
 
     /// The joints that it names; none if it names none.
-    pub(super) fn joints(&self) -> Option<&[String]> {
+    #[doc(hidden)]
+    #[must_use]
+    pub fn joints(&self) -> Option<&[String]> {
         match self {
             Self::JointSpring { joints, .. }
             | Self::ExponentialStribeck { joints, .. }

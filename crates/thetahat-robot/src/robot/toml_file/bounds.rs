@@ -5,13 +5,10 @@ use std::collections::BTreeMap;
 use super::reader::Reader;
 use crate::robot::{
     Bound, INERTIAL, LARGEST, LinkQuantity, Quantity, Robot, RobotError,
-    physical::{are_of_a_body, principal_inertias},
+    physical::{EXPECTED_GRAVITY, are_of_a_body, is_gravity, principal_inertias},
 };
 use thetahat_ground::{linear_algebra::Matrix, vector::norm};
 
-/// Magnitudes of gravity that are accepted, m/s^2: from below that of the Moon, to allow rounding in inclined frames, to three
-/// times that of the Earth. Smaller numbers are probably given in g.
-const GRAVITY: std::ops::RangeInclusive<f64> = 1.5..=30.0;
 /// Fraction of the largest inertia that truncated digits of a description may cause.
 const ROUNDING: f64 = 1e-3;
 /// Condition number of the motor-joint matrix, its rows scaled to one, above which its rows depend on one another.
@@ -20,13 +17,11 @@ const SINGULAR: f64 = 1e8;
 impl Reader<'_> {
     /// Gravity is a vector of m/s^2, or zeros.
     pub(super) fn check_gravity(&self, gravity: [f64; 3]) -> Result<(), RobotError> {
-        let length = norm(gravity);
-        if length == 0.0 || GRAVITY.contains(&length) {
+        if is_gravity(gravity) {
             return Ok(());
         }
-        let expected =
-            "m/s^2 in the base frame, of length 1.5 to 30, such as [0, 0, -9.81] (1 g is 9.81 m/s^2), or zeros";
-        Err(self.value("gravity", expected, &format!("{gravity:?}, of length {length:.4}")))
+        let length = norm(gravity);
+        Err(self.value("gravity", EXPECTED_GRAVITY, &format!("{gravity:?}, of length {length:.4}")))
     }
 
     /// Checks that a-priori values are possible for a joint, a motor or a body; `robot` holds them together with those of a

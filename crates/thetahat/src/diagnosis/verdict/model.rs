@@ -50,7 +50,9 @@ pub(super) fn reasons(results: &Results, model: &ModelResult) -> Vec<VerdictReas
     // A delay that is weaker than another cause may be what that one left, and noise in a stiff loop looks like one: the check
     // of lags must have found it too.
     let has_lag = results.findings.iter().flat_map(|r| &r.findings).any(|f| f.code == Code::Lag);
-    let is_own = |(k, c): &(usize, &ModelCause)| c.kind != CauseKind::LateTorque || (*k == 0 && has_lag);
+    let is_own = |(k, c): &(usize, &ModelCause)| {
+        c.kind != CauseKind::LateTorque || !c.subject.is_empty() || (*k == 0 && has_lag)
+    };
     let causes = model.causes.iter().enumerate().filter(is_own);
     let mut causes: Vec<VerdictReason> = causes.filter_map(|(_, c)| cause(results, c)).collect();
     if causes.is_empty() {
@@ -131,7 +133,11 @@ fn cause(results: &Results, found: &ModelCause) -> Option<VerdictReason> {
         | CauseKind::Coupling
         | CauseKind::LoadFriction
         | CauseKind::SpeedFriction
-        | CauseKind::FrictionDrift => Verdict::Care,
+        | CauseKind::FrictionDrift
+        | CauseKind::GravityDirection
+        | CauseKind::Crosstalk
+        | CauseKind::FallingConstant
+        | CauseKind::JointSpring => Verdict::Care,
     };
     let size = found.size_in_words().map(|size| format!(", {size}")).unwrap_or_default();
     let rivals = match found.rivals.as_slice() {
@@ -152,7 +158,9 @@ fn cause(results: &Results, found: &ModelCause) -> Option<VerdictReason> {
         ("error_percent", Some(found.error_percent)),
     ];
     let parameter = found.moved.first().map(|m| m.parameter.clone());
-    let subject = ReasonSubject { parameter, cause: Some(found.kind), ..ReasonSubject::default() };
+    let late = (found.kind == CauseKind::LateTorque).then(|| found.subject.clone());
+    let joint = late.filter(|joint| !joint.is_empty());
+    let subject = ReasonSubject { joint, parameter, cause: Some(found.kind), ..ReasonSubject::default() };
     let or = if found.rivals.is_empty() { "" } else { ", and what the recordings do not separate from it" };
     let said = ReasonText::new(seen, format!("{}{or}", remedy(results, found)));
     Some(reason(ReasonCode::Cause, verdict, &numbers, subject, said))
@@ -164,7 +172,10 @@ fn remedy(results: &Results, found: &ModelCause) -> String {
         CauseKind::LoadFriction | CauseKind::SpeedFriction if found.in_model => {
             format!("add the model's [[term]] to the experiment, kind {}", terms.join(" and "))
         }
-        CauseKind::LateTorque => "set delay_s of the torque as the finding lag says".to_owned(),
+        CauseKind::LateTorque if found.subject.is_empty() => {
+            "set delay_s of the torque as the finding lag says".to_owned()
+        }
+        CauseKind::LateTorque => format!("set delay_s of the torque to a list with the delay of {}", found.subject),
         CauseKind::EncoderZero => format!("check the zero of {} against the description", found.subject),
         CauseKind::GearRatio => format!("check the gear ratio of {}", found.subject),
         CauseKind::DriveGain => format!("check the torque constant and the gear ratio of {}", found.subject),
@@ -180,6 +191,12 @@ fn remedy(results: &Results, found: &ModelCause) -> String {
         }
         CauseKind::FrictionDrift => "warm the robot up before recording".to_owned(),
         CauseKind::Payload => "cut the recording where the load changes, or state [[payload]]".to_owned(),
+        CauseKind::GravityDirection => "check how the base is mounted, and state gravity in the experiment".to_owned(),
+        CauseKind::Crosstalk => "calibrate the torque sensors".to_owned(),
+        CauseKind::FallingConstant => {
+            "take the drive's torque instead of its current, or record with smaller torques".to_owned()
+        }
+        CauseKind::JointSpring => "add a [[term]] of kind joint-spring, if a spring or a cable acts there".to_owned(),
     }
 }
 

@@ -33,7 +33,8 @@ pub(super) fn is_of_recording(step: &RemedyStep) -> bool {
         | RemedyStep::LeaveOutRests
         | RemedyStep::Essential { .. }
         | RemedyStep::LockJoint { .. }
-        | RemedyStep::AddTerm { .. } => false,
+        | RemedyStep::AddTerm { .. }
+        | RemedyStep::Gravity { .. } => false,
     }
 }
 
@@ -50,6 +51,7 @@ pub(super) fn moves_position(step: &RemedyStep) -> bool {
         | RemedyStep::LeaveOutRests
         | RemedyStep::Essential { .. }
         | RemedyStep::LockJoint { .. }
-        | RemedyStep::AddTerm { .. } => false,
+        | RemedyStep::AddTerm { .. }
+        | RemedyStep::Gravity { .. } => false,
     }
 }

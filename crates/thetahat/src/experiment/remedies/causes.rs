@@ -1,39 +1,77 @@
 //! Causes that the model names and a setting mends.
 
-use super::candidate::Candidate;
+use super::candidate::{Candidate, moves_position};
 use crate::experiment::description::{Experiment, RecordingDescription};
+use thetahat_estimation::checks::Code;
+use thetahat_ground::vector::{IDENTITY, Vec3, axis_angle, times};
 use thetahat_report::results::{CauseKind, ModelCause, RecordingStep, RemedyStep};
+
+/// Steps of gravity in one m/s^2: a hundred-thousandth of it.
+const DIGITS: f64 = 1e4;
 
 /// What the model names and a setting mends.
 pub(super) fn of_causes(experiment: &Experiment, causes: &[ModelCause]) -> Vec<Candidate> {
-    let sure = causes.iter().filter(|cause| cause.rivals.is_empty());
-    sure.flat_map(|cause| of_cause(experiment, cause)).collect()
+    let sure: Vec<&ModelCause> = causes.iter().filter(|cause| cause.rivals.is_empty()).collect();
+    let single = sure.iter().flat_map(|cause| of_cause(experiment, cause));
+    single.chain(of_tilts(experiment, &sure)).collect()
 }
 
 fn of_cause(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
     match cause.kind {
+        CauseKind::LateTorque => of_delay(experiment, cause),
         CauseKind::GearRatio | CauseKind::DriveGain => of_scale(experiment, cause),
+        CauseKind::JointSpring => of_spring(experiment, cause).into_iter().collect(),
         CauseKind::LoadFriction => {
-            let term = "load-friction".to_owned();
-            let step = RecordingStep {
-                recording: None,
-                held_back: false,
-                with_reference: false,
-                with_velocity: false,
-                step: RemedyStep::AddTerm { term },
-            };
-            vec![candidate(cause, "load-friction".to_owned(), step)]
+            let (term, joints) = ("load-friction".to_owned(), Vec::new());
+            vec![candidate(cause, "load-friction".to_owned(), of_robot(RemedyStep::AddTerm { term, joints }))]
         }
-        CauseKind::LateTorque
-        | CauseKind::EncoderZero
+        CauseKind::EncoderZero
         | CauseKind::OffsetDrift
         | CauseKind::Elasticity
         | CauseKind::Length
         | CauseKind::Coupling
         | CauseKind::SpeedFriction
         | CauseKind::FrictionDrift
-        | CauseKind::Payload => Vec::new(),
+        | CauseKind::Payload
+        | CauseKind::Crosstalk
+        | CauseKind::FallingConstant
+        // Tilts about two axes are one remedy.
+        | CauseKind::GravityDirection => Vec::new(),
     }
+}
+
+/// A step that changes the robot.
+fn of_robot(step: RemedyStep) -> RecordingStep {
+    RecordingStep { recording: None, held_back: false, with_reference: false, with_velocity: false, step }
+}
+
+/// Gravity in the frame of a base that is tilted about its axes.
+fn of_tilts(experiment: &Experiment, causes: &[&ModelCause]) -> Option<Candidate> {
+    let tilts: Vec<&ModelCause> =
+        causes.iter().copied().filter(|cause| cause.kind == CauseKind::GravityDirection).collect();
+    let turn = |gravity: Vec3, tilt: &&ModelCause| {
+        let axis = ["about x", "about y", "about z"].iter().position(|subject| tilt.subject == *subject)?;
+        Some(times(&axis_angle(IDENTITY[axis], -tilt.size?), gravity))
+    };
+    let gravity = tilts.iter().try_fold(experiment.robot.gravity, turn)?;
+    let gravity = gravity.map(|g| (g * DIGITS).round() / DIGITS);
+    let step = of_robot(RemedyStep::Gravity { gravity });
+    tilts.first().map(|first| candidate(first, Code::GravityDirection.name().to_owned(), step))
+}
+
+fn of_spring(experiment: &Experiment, cause: &ModelCause) -> Option<Candidate> {
+    let robot = &experiment.robot;
+    let coordinate = coordinate_of(experiment, cause)?;
+    let joint = robot.joint_of(coordinate);
+    let (term, joints) = ("joint-spring".to_owned(), vec![robot.joints[joint].name.clone()]);
+    let step = of_robot(RemedyStep::AddTerm { term, joints });
+    Some(candidate(cause, format!("joint-spring-{}", joint + 1), step))
+}
+
+/// The coordinate of "joint 3", from zero.
+fn coordinate_of(experiment: &Experiment, cause: &ModelCause) -> Option<usize> {
+    let number = cause.subject.strip_prefix("joint ").and_then(|number| number.parse::<usize>().ok())?;
+    (1..=experiment.robot.coordinate_count()).contains(&number).then(|| number - 1)
 }
 
 fn candidate(cause: &ModelCause, code: String, step: RecordingStep) -> Candidate {
@@ -42,32 +80,46 @@ fn candidate(cause: &ModelCause, code: String, step: RecordingStep) -> Candidate
     Candidate { code, coordinate: None, found, finding: None, also, cause: Some(cause.kind), step, before }
 }
 
+/// The torque of one joint is late in every recording; a delay of all is what the checks measure.
+fn of_delay(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
+    let Some((coordinate, size)) = coordinate_of(experiment, cause).zip(cause.size) else { return Vec::new() };
+    let delay_s = (1e6 * size).round() / 1e6;
+    let step = RemedyStep::Delay { delay_s, joints: vec![coordinate + 1] };
+    let code = format!("{}-{}", Code::Lag.name(), experiment.robot.joint_of(coordinate) + 1);
+    in_every_recording(experiment, cause, &code, &step)
+}
+
 /// Positions that are too large by a ratio, and torques that are too small by it, or torques that are too large, in every recording. A
 /// simulated loop has the ratio of the description, which no channel changes.
 fn of_scale(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
     let n = experiment.robot.coordinate_count();
-    let number = cause.subject.strip_prefix("joint ").and_then(|number| number.parse::<usize>().ok());
-    let Some((number, size)) = number.filter(|k| (1..=n).contains(k)).zip(cause.size) else { return Vec::new() };
+    let Some((coordinate, size)) = coordinate_of(experiment, cause).zip(cause.size) else { return Vec::new() };
     if experiment.settings.controller.is_some() {
         return Vec::new();
     }
     let ratio = 1.0 + size;
-    let factors = |factor: f64| (1..=n).map(|k| if k == number { factor } else { 1.0 }).collect();
+    let factors = |factor: f64| (0..n).map(|k| if k == coordinate { factor } else { 1.0 }).collect();
     let of_gear = cause.kind == CauseKind::GearRatio;
     let [position, torque] = if of_gear { [1.0 / ratio, ratio] } else { [1.0, 1.0 / ratio] };
     let step = RemedyStep::Scale { position: factors(position), torque: factors(torque) };
     let name = if of_gear { "gear-ratio" } else { "drive-gain" };
-    let code = format!("{name}-{}", experiment.robot.joint_of(number - 1) + 1);
+    let code = format!("{name}-{}", experiment.robot.joint_of(coordinate) + 1);
+    in_every_recording(experiment, cause, &code, &step)
+}
+
+/// A step that changes the description of every recording.
+fn in_every_recording(experiment: &Experiment, cause: &ModelCause, code: &str, step: &RemedyStep) -> Vec<Candidate> {
     let of = |held_back: bool, all: &[RecordingDescription]| -> Vec<Candidate> {
         let one = |(i, d): (usize, &RecordingDescription)| {
+            let moves = moves_position(step);
             let step = RecordingStep {
                 recording: Some(d.name.clone().unwrap_or_else(|| (i + 1).to_string())),
                 held_back,
-                with_reference: d.reference.is_some(),
-                with_velocity: d.velocity.is_some(),
+                with_reference: moves && d.reference.is_some(),
+                with_velocity: moves && d.velocity.is_some(),
                 step: step.clone(),
             };
-            candidate(cause, code.clone(), step)
+            candidate(cause, code.to_owned(), step)
         };
         all.iter().enumerate().map(one).collect()
     };

@@ -87,7 +87,8 @@ fn joints_of(step: &RemedyStep, n: usize) -> Vec<usize> {
         | RemedyStep::LeaveOutRests
         | RemedyStep::Essential { .. }
         | RemedyStep::LockJoint { .. }
-        | RemedyStep::AddTerm { .. } => Vec::new(),
+        | RemedyStep::AddTerm { .. }
+        | RemedyStep::Gravity { .. } => Vec::new(),
     }
 }
 

@@ -16,7 +16,10 @@ use thetahat_report::results::{
 
 /// Enters the remedies of the results, and their codes into the reasons of the verdict.
 pub(in crate::experiment) fn enter(experiment: &Experiment, results: &mut Results) {
-    let is_late = results.verdict_reasons.iter().any(|r| r.subject.cause == Some(CauseKind::LateTorque));
+    let is_late = results
+        .verdict_reasons
+        .iter()
+        .any(|r| r.subject.cause == Some(CauseKind::LateTorque) && r.subject.joint.is_none());
     let causes: &[ModelCause] = results.model.as_ref().map_or(&[], |model| &model.causes);
     results.remedies = remedies(experiment, &results.findings, causes, is_late);
     for reason in &mut results.verdict_reasons {
@@ -191,7 +194,7 @@ fn remedy(experiment: &Experiment, code: &str, all: &[Candidate]) -> Option<Reme
     let mut steps: Vec<RecordingStep> =
         own().flat_map(|candidate| candidate.before.iter().chain([&candidate.step]).cloned()).collect();
     steps.dedup();
-    if matches!(first.step.step, RemedyStep::LockJoint { .. }) {
+    if matches!(first.step.step, RemedyStep::LockJoint { .. } | RemedyStep::Gravity { .. }) {
         steps.truncate(1);
     }
     let mut draft = Draft::of(experiment);

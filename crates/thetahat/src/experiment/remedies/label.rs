@@ -1,6 +1,6 @@
 //! Remedies in a few words.
 
-use thetahat_ground::number::significant;
+use thetahat_ground::number::{fixed, significant};
 use thetahat_model::robot::Robot;
 use thetahat_report::results::{RemedySignal, RemedyStep, SettingChange};
 
@@ -26,9 +26,11 @@ pub(super) fn label(step: &RemedyStep, changes: &[SettingChange], robot: &Robot)
         RemedyStep::Side { signal, at_motor } => {
             format!("{} at the {}", capital(plural(*signal)), if *at_motor { "motor" } else { "joint" })
         }
-        RemedyStep::Delay { delay_s } => {
+        RemedyStep::Delay { delay_s, joints } => {
             let order = if *delay_s > 0.0 { "late" } else { "early" };
-            format!("Torque {} ms {order}", significant(1e3 * delay_s.abs(), 3))
+            let joints: Vec<String> = joints.iter().map(|&j| number(j).to_string()).collect();
+            let of = if joints.is_empty() { String::new() } else { format!(" of joint {}", joints.join(", ")) };
+            format!("Torque{of} {} ms {order}", significant(1e3 * delay_s.abs(), 3))
         }
         RemedyStep::Hold => "Torque held until the next sample".to_owned(),
         RemedyStep::Cutoff { cutoff_hz } => format!("Cut-off {cutoff_hz} Hz"),
@@ -39,7 +41,13 @@ pub(super) fn label(step: &RemedyStep, changes: &[SettingChange], robot: &Robot)
         }
         RemedyStep::CorrectReference { .. } => "Correct the reference".to_owned(),
         RemedyStep::LockJoint { joint, .. } => format!("Lock joint {}", number(joint - 1)),
-        RemedyStep::AddTerm { term } => format!("Add the term {term}"),
+        RemedyStep::AddTerm { term, joints } => match joints.as_slice() {
+            [] => format!("Add the term {term}"),
+            joints => format!("Add the term {term} to {}", joints.join(", ")),
+        },
+        RemedyStep::Gravity { gravity } => {
+            format!("Gravity [{}] m/s^2", gravity.map(|g| fixed(g, 3)).join(", "))
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::experiment::description::{ExperimentFile, RecordingDescription, parse};
 use thetahat_data::recording::ChannelSource;
-use thetahat_model::robot::Robot;
+use thetahat_model::robot::{Robot, TermDescription};
 use thetahat_report::results::{RecordingStep, RemedySignal, RemedyStep, SettingChange};
 
 /// An experiment's text while steps change it.
@@ -32,8 +32,8 @@ struct Target<'f> {
 impl Draft<'_> {
     /// Makes the changes of a step; none if this file has no place for them, or has them already.
     pub(super) fn make(&mut self, step: &RecordingStep) -> Option<()> {
-        if let RemedyStep::AddTerm { term } = &step.step {
-            self.add_term(term)?;
+        if let RemedyStep::AddTerm { term, joints } = &step.step {
+            self.add_term(term, joints)?;
             return self.read_again();
         }
         let (changes, count) = self.changes_of(step)?;
@@ -57,9 +57,13 @@ impl Draft<'_> {
         Some(())
     }
 
-    fn add_term(&mut self, kind: &str) -> Option<()> {
-        let is_there = self.file.terms.iter().chain(&self.robot.term_descriptions).any(|term| term.kind() == kind);
-        let table: Table = [("kind".to_owned(), Value::from(kind))].into_iter().collect();
+    fn add_term(&mut self, kind: &str, joints: &[String]) -> Option<()> {
+        let is_there =
+            self.file.terms.iter().chain(&self.robot.term_descriptions).any(|term| acts_on(term, kind, joints));
+        let mut table: Table = [("kind".to_owned(), Value::from(kind))].into_iter().collect();
+        if !joints.is_empty() {
+            table.insert("joints".to_owned(), Value::from(joints.to_vec()));
+        }
         self.text = with_table_of_array(&self.text, "term", &table).filter(|_| !is_there)?;
         let after = Some(Value::from(kind).to_string());
         self.changes.push(SettingChange { key: "term.kind".to_owned(), before: None, after });
@@ -78,6 +82,9 @@ impl Draft<'_> {
             }
             RemedyStep::LockJoint { joint, name, value } => {
                 Some((self.locked(joint.checked_sub(1)?, name, *value)?, 1))
+            }
+            RemedyStep::Gravity { gravity } => {
+                Some((vec![Change::new(&["gravity"], 0, Value::from(gravity.to_vec()))], 1))
             }
             RemedyStep::AddTerm { .. } => None,
             RemedyStep::ExchangeJoints { .. }
@@ -152,9 +159,14 @@ impl Draft<'_> {
             RemedyStep::Side { signal, at_motor } => {
                 self.of_signals(target, step, *signal, &|channels| channels.at_side(*at_motor))
             }
-            RemedyStep::Delay { delay_s } => {
-                let delay = (1e6 * (torque()?.delay_s + delay_s)).round() / 1e6;
-                Some(vec![target.change(&["torque", "delay_s"], Value::from(delay))])
+            RemedyStep::Delay { delay_s, joints } => {
+                let n = self.robot.coordinate_count();
+                let is_late = |k: usize| joints.is_empty() || joints.contains(&(k + 1));
+                let own = torque()?.delay_s.to_list(n).into_iter().enumerate();
+                let delays = own.map(|(k, own)| own + if is_late(k) { *delay_s } else { 0.0 });
+                let in_microseconds = |delay: f64| Value::from((1e6 * delay).round() / 1e6);
+                let delays = one_or_list(delays.map(in_microseconds).collect());
+                Some(vec![target.change(&["torque", "delay_s"], delays)])
             }
             RemedyStep::Hold => {
                 torque()?;
@@ -176,7 +188,8 @@ impl Draft<'_> {
             | RemedyStep::LeaveOutRests
             | RemedyStep::Essential { .. }
             | RemedyStep::LockJoint { .. }
-            | RemedyStep::AddTerm { .. } => None,
+            | RemedyStep::AddTerm { .. }
+            | RemedyStep::Gravity { .. } => None,
         }
     }
 
@@ -216,4 +229,10 @@ impl Target<'_> {
         let path: Vec<&str> = [self.table].into_iter().chain(path.iter().copied()).collect();
         Change::new(&path, self.index, value)
     }
+}
+
+/// Whether a term is of a kind and acts on joints; none means any.
+fn acts_on(term: &TermDescription, kind: &str, joints: &[String]) -> bool {
+    let has_all = term.joints().is_none_or(|own| joints.iter().all(|joint| own.contains(joint)));
+    term.kind() == kind && has_all
 }

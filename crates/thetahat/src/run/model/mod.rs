@@ -112,7 +112,11 @@ fn add_causes_in_model(model: &mut ModelResult, described: Vec<ModelCause>) {
         | CauseKind::Length
         | CauseKind::Coupling
         | CauseKind::FrictionDrift
-        | CauseKind::Payload => false,
+        | CauseKind::Payload
+        | CauseKind::GravityDirection
+        | CauseKind::Crosstalk
+        | CauseKind::FallingConstant
+        | CauseKind::JointSpring => false,
     };
     if model.terms.is_empty() {
         return;

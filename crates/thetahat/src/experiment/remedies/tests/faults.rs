@@ -167,6 +167,49 @@ fn a_wrong_gear_ratio_that_the_model_names_is_corrected() {
     assert!((gains[1] - 1.02).abs() < 0.003 && gains[0] == 1.0, "{gains:?}");
 }
 
+/// Half a degree about y.
+#[test]
+fn a_tilted_base_gets_its_gravity() {
+    let tilt = 0.5_f64.to_radians();
+    let twin = Twin::with_gravity([9.81 * tilt.sin(), 0.0, -9.81 * tilt.cos()]);
+    let experiment = twin.experiment(KEYS);
+    let before = twin.run(&experiment);
+    let after = twin.remedied(&experiment, &before, &["gravity-direction"]);
+    let [wrong, mended] = [&before, &after].map(|results| largest_difference(results, clean()));
+    println!("{}: {wrong:.2} half widths before, {mended:.2} after", remedy(&before, "gravity-direction").label);
+    assert!(mended < NEARLY_SAME && wrong > 2.0 * mended, "{wrong} {mended}");
+    assert!(codes(&after).is_empty(), "{:?}", codes(&after));
+}
+
+#[test]
+fn a_spring_that_nobody_described_gets_its_term() {
+    let twin = Twin::new().with(|log: &mut Log| {
+        for k in 0..log.torque.len() {
+            log.torque.sample_mut(k)[2] += 5.0 * log.position.sample(k)[2];
+        }
+    });
+    let experiment = twin.experiment(KEYS);
+    let before = twin.run(&experiment);
+    let after = twin.remedied(&experiment, &before, &["joint-spring-3"]);
+    let run = after.runs.first().unwrap();
+    let stiffness = run.parameters.iter().find(|p| p.name == "k3").unwrap();
+    let [low, high] = stiffness.interval_95;
+    assert!(low < 5.0 && 5.0 < high && high - low < 1.0, "{stiffness:?}");
+    assert!(codes(&after).is_empty(), "{:?}", codes(&after));
+}
+
+/// Fifteen milliseconds of seven joints' one.
+#[test]
+fn a_torque_of_one_joint_that_is_late_gets_its_delay() {
+    let fault = |log: &mut Log| {
+        let delays: Vec<f64> = (0..log.torque.channels()).map(|j| if j == 3 { 3.0 } else { 0.0 }).collect();
+        log.torque = delayed(&log.torque, &delays);
+    };
+    let (before, _) = mended(fault, &["lag-4"], NEARLY_SAME);
+    let label = &remedy(&before, "lag-4").label;
+    assert!(label.starts_with("Torque of joint 4 1") && label.ends_with("ms late"), "{label}");
+}
+
 /// The friction that the load adds is a parameter of its own: 0.1 of the torque of gravity.
 #[test]
 fn friction_of_the_load_gets_its_term() {
@@ -304,7 +347,10 @@ fn a_hostile_remedy_stays_in_its_comment() {
     };
     let code = "c\nrobot = 1";
     let text = experiment
-        .with_remedies(&[remedy(code, vec![step(RemedyStep::Delay { delay_s: 0.01 })])], &[code.to_owned()])
+        .with_remedies(
+            &[remedy(code, vec![step(RemedyStep::Delay { delay_s: 0.01, joints: Vec::new() })])],
+            &[code.to_owned()],
+        )
         .unwrap();
     let [before, after]: [toml::Table; 2] = [&experiment.text, &text].map(|text| toml::from_str(text).unwrap());
     let mut expected = before;

@@ -38,6 +38,10 @@ pub(super) fn truth() -> impl Iterator<Item = (String, f64)> {
     (1..=7).flat_map(|j| [("fv", 3.0), ("fc", 2.0)].map(|(name, value)| (format!("{name}{j}"), value / f64::from(j))))
 }
 
+fn described() -> Robot {
+    Robot::read(&project("robots/seven_axes.urdf")).unwrap()
+}
+
 impl Twin {
     pub(super) fn new() -> Self {
         Self::with_friction(&|_, _, _| 0.0)
@@ -45,19 +49,23 @@ impl Twin {
 
     /// With a joint, from zero, that stays at [`STILL_AT`].
     pub(super) fn with_still_joint(joint: usize) -> Self {
-        Self::on(moved_but(Some(joint)), &|_, _, _| 0.0)
+        Self::on(&described(), moved_but(Some(joint)), &|_, _, _| 0.0)
+    }
+
+    /// On a base in whose frame gravity is another one.
+    pub(super) fn with_gravity(gravity: [f64; 3]) -> Self {
+        Self::on(&Robot { gravity, ..described() }, moved_but(None), &|_, _, _| 0.0)
     }
 
     /// With another torque of joint j, from its velocity and the torque of gravity.
     pub(super) fn with_friction(other: &dyn Fn(usize, f64, f64) -> f64) -> Self {
-        Self::on(moved_but(None), other)
+        Self::on(&described(), moved_but(None), other)
     }
 
-    fn on([q, dq, ddq]: [Series; 3], other: &dyn Fn(usize, f64, f64) -> f64) -> Self {
-        let robot = Robot::read(&project("robots/seven_axes.urdf")).unwrap();
-        let (model, n) = (Model::new(&robot), robot.coordinate_count());
+    fn on(robot: &Robot, [q, dq, ddq]: [Series; 3], other: &dyn Fn(usize, f64, f64) -> f64) -> Self {
+        let (model, n) = (Model::new(robot), robot.coordinate_count());
         let table = robot.parameter_table();
-        let mut theta = completed_a_priori(&robot, None);
+        let mut theta = completed_a_priori(robot, None);
         for (name, value) in truth() {
             theta[table.index_of(&name).unwrap()] = value;
         }

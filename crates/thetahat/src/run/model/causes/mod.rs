@@ -5,6 +5,7 @@
 //! there is no such cause. The strongest cause is put in, and the others are tested again.
 
 mod cause;
+mod derivatives;
 mod residual;
 mod tested_rows;
 mod torques;
@@ -81,7 +82,7 @@ pub(super) fn causes(
         return FoundCauses::default();
     };
     let candidates = torques.causes(identification.threads);
-    let late = candidates.iter().position(|c| c.kind == CauseKind::LateTorque);
+    let late = candidates.iter().position(|c| c.kind == CauseKind::LateTorque && c.subject.is_empty());
     // A delay shows where the torque changes: at reversals, which all others leave out. Its size is too small where the position
     // filter rings at rests: the check of lags measures it better.
     let of_delay = late.and_then(|late| Residual::new(&tested.rows, deviations, &[], vec![candidates[late].clone()]));
@@ -191,7 +192,11 @@ impl Search<'_> {
             | CauseKind::OffsetDrift
             | CauseKind::Length
             | CauseKind::Coupling
-            | CauseKind::Payload => false,
+            | CauseKind::Payload
+            | CauseKind::GravityDirection
+            | CauseKind::Crosstalk
+            | CauseKind::FallingConstant
+            | CauseKind::JointSpring => false,
         };
         if is_by_filtered { self.named_by_filtered } else { self.named_below }
     }
@@ -213,7 +218,11 @@ fn named_below(identification: &Identification) -> f64 {
 fn smallest_shown(residual: &Residual, candidate: usize, named_below: f64) -> Option<SmallestShown> {
     let cause = &residual.candidates[candidate].cause;
     match cause.kind {
-        CauseKind::EncoderZero | CauseKind::GearRatio | CauseKind::DriveGain | CauseKind::Length => {}
+        CauseKind::EncoderZero
+        | CauseKind::GearRatio
+        | CauseKind::DriveGain
+        | CauseKind::Length
+        | CauseKind::GravityDirection => {}
         CauseKind::LateTorque
         | CauseKind::OffsetDrift
         | CauseKind::Elasticity
@@ -221,7 +230,10 @@ fn smallest_shown(residual: &Residual, candidate: usize, named_below: f64) -> Op
         | CauseKind::LoadFriction
         | CauseKind::SpeedFriction
         | CauseKind::FrictionDrift
-        | CauseKind::Payload => return None,
+        | CauseKind::Payload
+        | CauseKind::Crosstalk
+        | CauseKind::FallingConstant
+        | CauseKind::JointSpring => return None,
     }
     residual.test(candidate)?.size?;
     let size = residual.size_beyond(residual.column(candidate), named_below, 1)?;
@@ -275,8 +287,14 @@ impl Cause {
     fn is_plausible(&self, found: &Evidence) -> bool {
         let Some([size, _]) = found.size else { return true };
         match self.kind {
-            CauseKind::EncoderZero | CauseKind::GearRatio | CauseKind::Length => size.abs() < LARGEST,
+            CauseKind::EncoderZero
+            | CauseKind::GearRatio
+            | CauseKind::Length
+            | CauseKind::GravityDirection
+            | CauseKind::Crosstalk => size.abs() < LARGEST,
             CauseKind::DriveGain => size.abs() < LARGEST_GAIN,
+            // A constant does not grow with the current.
+            CauseKind::FallingConstant => size > 0.0 && size < LARGEST_GAIN,
             CauseKind::Elasticity => size > 0.0,
             CauseKind::LateTorque
             | CauseKind::OffsetDrift
@@ -284,7 +302,8 @@ impl Cause {
             | CauseKind::LoadFriction
             | CauseKind::SpeedFriction
             | CauseKind::FrictionDrift
-            | CauseKind::Payload => true,
+            | CauseKind::Payload
+            | CauseKind::JointSpring => true,
         }
     }
 }

@@ -20,7 +20,7 @@ use thetahat_report::results::CauseKind;
 /// Instants at which a payload may have been picked up, or offsets may have changed.
 const INSTANTS: usize = 15;
 /// Step of the differences: of a ratio, rad or m.
-const STEP: f64 = 1e-3;
+pub(super) const STEP: f64 = 1e-3;
 /// Velocities of the laws of friction over speed, over the peak velocity of the joint.
 const SPEEDS: [f64; 2] = [0.05, 0.2];
 /// The filter's cut-off over that of the torques whose slope a delay is measured by, and its order.
@@ -29,10 +29,13 @@ const SMOOTHING_ORDER: usize = 4;
 /// Compliance of the difference for elastic joints, rad per N m.
 const COMPLIANCE: f64 = 1e-6;
 
+/// Names of the axes of a frame.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
 /// What is tried.
 #[derive(Debug, Clone, Copy)]
 enum Tried {
-    LateTorque,
+    LateTorque(Option<usize>),
     LoadFriction,
     SpeedFriction,
     FrictionDrift,
@@ -43,17 +46,23 @@ enum Tried {
     Elastic(usize),
     Length(usize, usize),
     Coupling(usize),
+    Gravity(usize),
+    Crosstalk([usize; 2]),
+    FallingConstant(usize),
+    Spring(usize),
 }
 
 pub(super) struct Torques<'a> {
     identification: &'a Identification,
     problem: &'a Problem,
     tested: &'a TestedRows<'a>,
-    standard: &'a [f64],
+    pub(super) standard: &'a [f64],
     sign: Sign,
-    robot: &'a Robot,
+    pub(super) robot: &'a Robot,
     /// Of each recording, with the model as it is.
-    predicted: Vec<Series>,
+    pub(super) predicted: Vec<Series>,
+    /// The same without the noise that the loop brings into both the motion and the torques.
+    smoothed: Option<Vec<Series>>,
 }
 
 impl<'a> Torques<'a> {
@@ -65,9 +74,11 @@ impl<'a> Torques<'a> {
         sign: Sign,
     ) -> Option<Self> {
         let robot = identification.setup().robot;
-        let mut torques = Self { identification, problem, tested, standard, sign, robot, predicted: Vec::new() };
+        let (predicted, smoothed) = (Vec::new(), None);
+        let mut torques = Self { identification, problem, tested, standard, sign, robot, predicted, smoothed };
         let predicted = |r: &FilteredRecording| torques.of(&torques.problem.model, standard, &r.motion, r);
         torques.predicted = torques.recordings().map(predicted).collect::<Option<Vec<_>>>()?;
+        torques.smoothed = torques.smoothed();
         Some(torques)
     }
 
@@ -80,7 +91,13 @@ impl<'a> Torques<'a> {
     }
 
     /// The torques of a motion; none for parameters that the model does not have.
-    fn of(&self, model: &Model, standard: &[f64], motion: &Motion, recording: &FilteredRecording) -> Option<Series> {
+    pub(super) fn of(
+        &self,
+        model: &Model,
+        standard: &[f64],
+        motion: &Motion,
+        recording: &FilteredRecording,
+    ) -> Option<Series> {
         let parameters = DynamicParameters::new(model, standard).ok()?;
         let mut workspace = Workspace::new(model);
         let mut torque = Series::zeros(motion.q.len(), motion.q.channels());
@@ -112,7 +129,11 @@ impl<'a> Torques<'a> {
     }
 
     /// The column of torques that `changed` gives, as a difference over a step.
-    fn difference(&self, step: f64, changed: impl Fn(&FilteredRecording) -> Option<Series>) -> Option<Vec<f64>> {
+    pub(super) fn difference(
+        &self,
+        step: f64,
+        changed: impl Fn(&FilteredRecording) -> Option<Series>,
+    ) -> Option<Vec<f64>> {
         let mut torques = Vec::new();
         for (recording, predicted) in self.recordings().zip(&self.predicted) {
             let mut torque = changed(recording)?;
@@ -124,7 +145,7 @@ impl<'a> Torques<'a> {
     }
 
     /// The column of one number for each sample and joint.
-    fn each(&self, value: impl Fn(&FilteredRecording, usize, usize) -> f64) -> Option<Vec<f64>> {
+    pub(super) fn each(&self, value: impl Fn(&FilteredRecording, usize, usize) -> f64) -> Option<Vec<f64>> {
         let torques = self.recordings().map(|recording| {
             let mut torque = Series::zeros(recording.motion.q.len(), self.joints());
             for k in 0..torque.len() {
@@ -150,7 +171,7 @@ impl<'a> Torques<'a> {
         let revolute = (0..joints).filter(|&j| self.kind(j) == JointKind::Revolute);
         let lengths = (1..self.robot.joints.len()).flat_map(|k| (0..3).map(move |axis| Tried::Length(k, axis)));
         let mut tried = vec![
-            Tried::LateTorque,
+            Tried::LateTorque(None),
             Tried::LoadFriction,
             Tried::SpeedFriction,
             Tried::FrictionDrift,
@@ -160,6 +181,13 @@ impl<'a> Torques<'a> {
         tried.extend(revolute.map(Tried::Elastic));
         tried.extend(lengths);
         tried.extend((1..joints).map(|j| Tried::Coupling(j - 1)));
+        if joints > 1 {
+            tried.extend((0..joints).map(|j| Tried::LateTorque(Some(j))));
+        }
+        tried.extend((0..3).filter(|&axis| self.can_tilt_about(axis)).map(Tried::Gravity));
+        let others = |from: usize| (0..joints).filter(move |&into| into != from);
+        tried.extend((0..joints).flat_map(|from| others(from).map(move |into| Tried::Crosstalk([from, into]))));
+        tried.extend((0..joints).flat_map(|j| [Tried::FallingConstant(j), Tried::Spring(j)]));
         tried
     }
 
@@ -167,7 +195,9 @@ impl<'a> Torques<'a> {
         let joint = |j: usize| format!("joint {}", j + 1);
         let nothing = String::new;
         let (kind, subject, unit, columns) = match tried {
-            Tried::LateTorque => (CauseKind::LateTorque, nothing(), "s", vec![self.slope(&self.predicted)]),
+            Tried::LateTorque(j) => {
+                (CauseKind::LateTorque, j.map_or_else(nothing, joint), "s", vec![self.slope(&self.predicted, j)])
+            }
             Tried::LoadFriction => (CauseKind::LoadFriction, nothing(), "", self.load_friction()),
             Tried::SpeedFriction => (CauseKind::SpeedFriction, nothing(), "", self.speed_friction()),
             Tried::FrictionDrift => (CauseKind::FrictionDrift, nothing(), "", self.friction_drift()),
@@ -180,16 +210,43 @@ impl<'a> Torques<'a> {
             Tried::DriveGain(j) => (CauseKind::DriveGain, joint(j), "", vec![self.drive_gain(j)]),
             Tried::Elastic(j) => (CauseKind::Elasticity, joint(j), "rad/(N m)", vec![self.elastic(j)]),
             Tried::Length(k, axis) => {
-                let subject = format!("link {k} along {}", ["x", "y", "z"][axis]);
+                let subject = format!("link {k} along {}", AXES[axis]);
                 (CauseKind::Length, subject, "m", vec![self.length(k, axis)])
             }
             Tried::Coupling(j) => {
                 (CauseKind::Coupling, format!("joints {} and {}", j + 1, j + 2), "", self.coupling(j))
             }
+            Tried::Gravity(axis) => {
+                (CauseKind::GravityDirection, format!("about {}", AXES[axis]), "rad", vec![self.tilt(axis)])
+            }
+            Tried::Crosstalk([from, into]) => {
+                let subject = format!("joint {} in joint {}", from + 1, into + 1);
+                (CauseKind::Crosstalk, subject, "", vec![self.crosstalk(from, into)])
+            }
+            Tried::FallingConstant(j) => (CauseKind::FallingConstant, joint(j), "", vec![self.falling_constant(j)]),
+            Tried::Spring(j) => {
+                let unit = if self.kind(j) == JointKind::Revolute { "N m/rad" } else { "N/m" };
+                (CauseKind::JointSpring, joint(j), unit, vec![self.spring(j)])
+            }
         };
         let columns = columns.into_iter().collect::<Option<Vec<_>>>().filter(|c| !c.is_empty())?;
-        let is_late = kind == CauseKind::LateTorque;
-        let instrument = if is_late { self.smoothed().and_then(|torques| self.slope(&torques)) } else { None };
+        let instrument = match tried {
+            Tried::LateTorque(j) => self.smoothed.as_ref().and_then(|torques| self.slope(torques, j)),
+            Tried::LoadFriction
+            | Tried::SpeedFriction
+            | Tried::FrictionDrift
+            | Tried::OffsetDrift
+            | Tried::Zero(_)
+            | Tried::Gear(_)
+            | Tried::DriveGain(_)
+            | Tried::Elastic(_)
+            | Tried::Length(..)
+            | Tried::Coupling(_)
+            | Tried::Gravity(_)
+            | Tried::Crosstalk(_)
+            | Tried::FallingConstant(_)
+            | Tried::Spring(_) => None,
+        };
         Some(Cause { kind, subject, unit, columns, instrument, members: Vec::new() })
     }
 
@@ -197,9 +254,16 @@ impl<'a> Torques<'a> {
         self.robot.joints[self.robot.joint_of(j)].kind
     }
 
-    /// Torques that are d late are `tau - d dtau/dt`, by the slope of the predicted torque, which has no noise.
-    fn slope(&self, torques: &[Series]) -> Option<Vec<f64>> {
-        self.column(self.slopes(torques))
+    /// Torques that are d late, of one joint or of all, are `tau - d dtau/dt`, by the slope of the predicted torque, which has no noise.
+    fn slope(&self, torques: &[Series], joint: Option<usize>) -> Option<Vec<f64>> {
+        let mut slopes = self.slopes(torques);
+        let is_other = |j: usize| joint.is_some_and(|joint| joint != j);
+        for slope in &mut slopes {
+            for k in 0..slope.len() {
+                slope.sample_mut(k).iter_mut().enumerate().filter(|(j, _)| is_other(*j)).for_each(|(_, v)| *v = 0.0);
+            }
+        }
+        self.column(slopes)
     }
 
     /// The column of late torques in all rows.
@@ -216,7 +280,6 @@ impl<'a> Torques<'a> {
         slopes.collect()
     }
 
-    /// The predicted torques without the noise that the loop brings into both the motion and the torques.
     fn smoothed(&self) -> Option<Vec<Series>> {
         let cutoff_hz = self.identification.setup().settings.signal.cutoff_hz / SMOOTHER;
         let smoothed = |(recording, torque): (&FilteredRecording, &Series)| {
@@ -250,9 +313,14 @@ impl<'a> Torques<'a> {
 
     /// Torques that are too large by a ratio.
     fn drive_gain(&self, joint: usize) -> Option<Vec<f64>> {
+        self.of_predicted(joint, |torques| torques[joint])
+    }
+
+    /// The column of a value of the predicted torques of a sample, in the torque of one joint.
+    pub(super) fn of_predicted(&self, joint: usize, value: impl Fn(&[f64]) -> f64) -> Option<Vec<f64>> {
         let torques = self.predicted.iter().map(|predicted| {
             let mut torque = Series::zeros(predicted.len(), self.joints());
-            (0..torque.len()).for_each(|k| torque.sample_mut(k)[joint] = predicted.sample(k)[joint]);
+            (0..torque.len()).for_each(|k| torque.sample_mut(k)[joint] = value(predicted.sample(k)));
             torque
         });
         self.column(torques.collect())
