@@ -43,11 +43,13 @@ pub enum CauseKind {
     FallingConstant,
     /// A spring acts on a joint.
     JointSpring,
+    /// Viscous friction differs with the direction.
+    AsymmetricFriction,
 }
 
 impl CauseKind {
     /// All kinds.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::LateTorque,
         Self::EncoderZero,
         Self::GearRatio,
@@ -64,6 +66,7 @@ impl CauseKind {
         Self::Crosstalk,
         Self::FallingConstant,
         Self::JointSpring,
+        Self::AsymmetricFriction,
     ];
 
     /// What it is, in words.
@@ -86,6 +89,7 @@ impl CauseKind {
             Self::Crosstalk => "a torque that is also in another",
             Self::FallingConstant => "a motor constant that falls with the torque",
             Self::JointSpring => "a spring",
+            Self::AsymmetricFriction => "viscous friction that differs with the direction",
         }
     }
 
@@ -107,7 +111,8 @@ impl CauseKind {
             | Self::SpeedFriction
             | Self::FrictionDrift
             | Self::FallingConstant
-            | Self::JointSpring => format!("{} of {subject}", self.words()),
+            | Self::JointSpring
+            | Self::AsymmetricFriction => format!("{} of {subject}", self.words()),
         }
     }
 }

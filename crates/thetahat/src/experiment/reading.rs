@@ -223,8 +223,8 @@ fn with_complete_samples(
 fn with_repeats_bridged(mut read: Recording) -> Recording {
     let Some(repeated) = repeated_rows(&read.position, read.torque.as_ref()) else { return read };
     read.notes.push(format!(
-        "{} of {} samples repeat the one before while the robot moves, as where a logger asks more often than there are new values: they \
-         were replaced by values interpolated between the new ones",
+        "{} of {} samples repeat the positions of the one before while the robot moves, as where a logger asks more often than there are \
+         new values: repeated values were replaced by ones interpolated between the new ones",
         repeated.len(),
         read.position.len()
     ));

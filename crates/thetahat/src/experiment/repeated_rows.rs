@@ -4,39 +4,57 @@ use thetahat_ground::series::Series;
 
 /// Part of the rows that must be repeats: fewer are accidents, which the checks name.
 const LEAST_PART: f64 = 0.02;
+/// The same of rows that repeat the positions alone, and of long runs: the positions are read at a lower rate.
+const HELD_PART: f64 = 0.2;
 /// Longest run of repeats that is bridged, rows.
 const LONGEST_RUN: usize = 4;
+/// The same of positions that are read at a lower rate.
+const LONGEST_HOLD: usize = 16;
 /// Steps of its resolution that some joint travels for each row of a run: with fewer, equal rows are a coincidence of slow motion.
 const STEPS: f64 = 4.0;
 /// New values on either side that a bridge is made of.
 const NODES: usize = 2;
 
-/// The rows whose positions and torques are those of the row before while the robot moves; none if they are few.
+/// The rows whose positions, and whose torques or most rows' positions alone, are those of the row before while the robot moves; none
+/// if they are few.
 pub(super) fn repeated_rows(position: &Series, torque: Option<&Series>) -> Option<Vec<usize>> {
-    let same = |k: usize| {
-        let torque_is_same = torque.is_none_or(|torque| torque.sample(k) == torque.sample(k - 1));
-        torque_is_same && position.sample(k) == position.sample(k - 1)
-    };
-    let rows = position.len();
-    if !(1..rows).any(same) {
+    let is_held = |k: usize| position.sample(k) == position.sample(k - 1);
+    let is_repeated = |k: usize| is_held(k) && torque.is_none_or(|torque| torque.sample(k) == torque.sample(k - 1));
+    if !(1..position.len()).any(is_held) {
         return None;
     }
-    let resolutions: Vec<f64> = (0..position.channels()).map(|j| resolution(position, j)).collect();
-    let mut repeated = Vec::new();
+    let wanted = |part: f64| move |rows: &Vec<usize>| rows.len() as f64 >= part * position.len() as f64;
+    let held = runs(position, is_held, LONGEST_HOLD);
+    if wanted(HELD_PART)(&moving(position, &held)) {
+        return Some(held.concat());
+    }
+    Some(moving(position, &runs(position, is_repeated, LONGEST_RUN))).filter(wanted(LEAST_PART))
+}
+
+/// The runs of equal rows that are no longer than `longest`.
+fn runs(position: &Series, is_same: impl Fn(usize) -> bool, longest: usize) -> Vec<Vec<usize>> {
+    let rows = position.len();
+    let mut runs = Vec::new();
     let mut k = 1;
     while k < rows {
-        let end = (k..rows).find(|&i| !same(i)).unwrap_or(rows);
-        if end < rows && end > k && end - k <= LONGEST_RUN {
-            let least = STEPS * (end - k + 1) as f64;
-            let travels =
-                |j: usize| (position.sample(end)[j] - position.sample(k - 1)[j]).abs() >= least * resolutions[j];
-            if (0..position.channels()).any(travels) {
-                repeated.extend(k..end);
-            }
+        let end = (k..rows).find(|&i| !is_same(i)).unwrap_or(rows);
+        if end < rows && end > k && end - k <= longest {
+            runs.push((k..end).collect());
         }
-        k = end.max(k) + 1;
+        k = end + 1;
     }
-    (repeated.len() as f64 >= LEAST_PART * rows as f64).then_some(repeated)
+    runs
+}
+
+/// The rows of the runs during which some joint moves.
+fn moving(position: &Series, runs: &[Vec<usize>]) -> Vec<usize> {
+    let resolutions: Vec<f64> = (0..position.channels()).map(|j| resolution(position, j)).collect();
+    let travels = |run: &&Vec<usize>| {
+        let (before, after) = (position.sample(run[0] - 1), position.sample(run[run.len() - 1] + 1));
+        let least = STEPS * (run.len() + 1) as f64;
+        (0..resolutions.len()).any(|j| (after[j] - before[j]).abs() >= least * resolutions[j])
+    };
+    runs.iter().filter(travels).flatten().copied().collect()
 }
 
 /// The smallest step of a channel.
@@ -105,12 +123,23 @@ mod tests {
         assert_eq!(repeated_rows(&Series::shaped(1, once), None), None);
     }
 
-    /// A torque that is new says that the row is.
+    /// A torque that is new says that the row is, unless positions are read at a lower rate.
     #[test]
-    fn rows_with_a_new_torque_are_no_repeats() {
-        let position = Series::shaped(1, (0..60).map(|k| cubic(k - k % 2)).collect());
+    fn single_rows_with_a_new_torque_are_no_repeats() {
         let torque = Series::shaped(1, (0..60).map(f64::from).collect());
-        assert!(repeated_rows(&position, None).is_some());
-        assert_eq!(repeated_rows(&position, Some(&torque)), None);
+        let every = |n: usize| Series::shaped(1, (0..60).map(|k| cubic(k - k % n)).collect());
+        for n in [2, 4, 8] {
+            let repeated = repeated_rows(&every(n), Some(&torque)).unwrap();
+            let found = bridged(&every(n), &repeated);
+            let inside = n..60 - 2 * n;
+            assert!(inside.clone().all(|k| (found.sample(k)[0] - cubic(k)).abs() < 1e-9), "{n}");
+            assert_eq!(bridged(&torque, &repeated), torque);
+        }
+        let mut once: Vec<f64> = (0..60).map(cubic).collect();
+        for k in [15, 20, 33, 50] {
+            once[k] = once[k - 1];
+        }
+        assert!(repeated_rows(&Series::shaped(1, once.clone()), None).is_some());
+        assert_eq!(repeated_rows(&Series::shaped(1, once), Some(&torque)), None);
     }
 }

@@ -97,7 +97,7 @@ pub const FINDINGS: [[&str; 4]; 43] = [
         "repeated-samples",
         "warning",
         "moving samples at which all positions, or all torques, repeat the sample before exactly ({checks/motion/repeats REPEATED_LIMIT_PERCENT} %)",
-        "log at the rate at which values are new, or take the rows out that repeat them; rows that repeat positions and torques together are interpolated in reading",
+        "log at the rate at which values are new, or take the rows out that repeat them; positions that are repeated regularly are interpolated in reading",
     ],
     [
         "clock-jitter",
@@ -247,8 +247,8 @@ pub const FINDINGS: [[&str; 4]; 43] = [
     [
         "gravity-direction",
         "problem, warning",
-        "ratio for gravity of the same length from another direction ({checks/torque/gravity LIMIT}), at least {checks/torque/gravity LEAST_DEG} degrees from the stated one; a problem beyond {checks/torque/gravity WRONG_DEG} degrees or {checks/torque/gravity WRONG_RATIO} times",
-        "`gravity` in the robot's TOML, as in the message",
+        "ratio for gravity of the same length from another direction ({checks/torque/gravity_fit LIMIT}), at least {checks/torque/gravity LEAST_DEG} degrees from the stated one; a problem beyond {checks/torque/gravity WRONG_DEG} degrees or {checks/torque/gravity_fit WRONG_RATIO} times. A problem: ratio for torques without gravity, or less than {checks/torque/weight LEAST_WEIGHT} of the weight of the description's links, which would make the squared residual {checks/torque/gravity_fit WRONG_RATIO} times larger",
+        "`gravity` of the experiment, as in the message",
     ],
     [
         "gain-drift",

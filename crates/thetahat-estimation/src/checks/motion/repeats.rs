@@ -70,8 +70,8 @@ fn repeated(exam: &mut Examination<'_>, signals: &Signals, series: &Series, what
             ),
             format!(
                 "the {what} are older than their times say: log at the rate at which they are new, or take the rows out that repeat them \
-                 and keep the times of the others; rows that repeat positions and torques together, as of a logger that asks too often, \
-                 are interpolated when a file is read, and these are too few, too many in a row, or repeat only one of the two"
+                 and keep the times of the others; positions that a logger repeats because it asks too often are interpolated when a file \
+                 is read, and these are too few or too many in a row"
             ),
         )
     });

@@ -137,7 +137,8 @@ fn cause(results: &Results, found: &ModelCause) -> Option<VerdictReason> {
         | CauseKind::GravityDirection
         | CauseKind::Crosstalk
         | CauseKind::FallingConstant
-        | CauseKind::JointSpring => Verdict::Care,
+        | CauseKind::JointSpring
+        | CauseKind::AsymmetricFriction => Verdict::Care,
     };
     let size = found.size_in_words().map(|size| format!(", {size}")).unwrap_or_default();
     let rivals = match found.rivals.as_slice() {
@@ -196,6 +197,7 @@ fn remedy(results: &Results, found: &ModelCause) -> String {
         CauseKind::FallingConstant => {
             "take the drive's torque instead of its current, or record with smaller torques".to_owned()
         }
+        CauseKind::AsymmetricFriction => "add a [[term]] of kind asymmetric-viscous".to_owned(),
         CauseKind::JointSpring => "add a [[term]] of kind joint-spring, if a spring or a cable acts there".to_owned(),
     }
 }

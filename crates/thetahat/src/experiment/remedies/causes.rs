@@ -20,7 +20,8 @@ fn of_cause(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
     match cause.kind {
         CauseKind::LateTorque => of_delay(experiment, cause),
         CauseKind::GearRatio | CauseKind::DriveGain => of_scale(experiment, cause),
-        CauseKind::JointSpring => of_spring(experiment, cause).into_iter().collect(),
+        CauseKind::JointSpring => of_term(experiment, cause, "joint-spring").into_iter().collect(),
+        CauseKind::AsymmetricFriction => of_term(experiment, cause, "asymmetric-viscous").into_iter().collect(),
         CauseKind::LoadFriction => {
             let (term, joints) = ("load-friction".to_owned(), Vec::new());
             vec![candidate(cause, "load-friction".to_owned(), of_robot(RemedyStep::AddTerm { term, joints }))]
@@ -59,13 +60,13 @@ fn of_tilts(experiment: &Experiment, causes: &[&ModelCause]) -> Option<Candidate
     tilts.first().map(|first| candidate(first, Code::GravityDirection.name().to_owned(), step))
 }
 
-fn of_spring(experiment: &Experiment, cause: &ModelCause) -> Option<Candidate> {
+/// A torque term of the joint.
+fn of_term(experiment: &Experiment, cause: &ModelCause, term: &str) -> Option<Candidate> {
     let robot = &experiment.robot;
-    let coordinate = coordinate_of(experiment, cause)?;
-    let joint = robot.joint_of(coordinate);
-    let (term, joints) = ("joint-spring".to_owned(), vec![robot.joints[joint].name.clone()]);
-    let step = of_robot(RemedyStep::AddTerm { term, joints });
-    Some(candidate(cause, format!("joint-spring-{}", joint + 1), step))
+    let joint = robot.joint_of(coordinate_of(experiment, cause)?);
+    let joints = vec![robot.joints[joint].name.clone()];
+    let step = of_robot(RemedyStep::AddTerm { term: term.to_owned(), joints });
+    Some(candidate(cause, format!("{term}-{}", joint + 1), step))
 }
 
 /// The coordinate of "joint 3", from zero.

@@ -116,7 +116,8 @@ fn add_causes_in_model(model: &mut ModelResult, described: Vec<ModelCause>) {
         | CauseKind::GravityDirection
         | CauseKind::Crosstalk
         | CauseKind::FallingConstant
-        | CauseKind::JointSpring => false,
+        | CauseKind::JointSpring
+        | CauseKind::AsymmetricFriction => false,
     };
     if model.terms.is_empty() {
         return;

@@ -31,6 +31,11 @@ impl Torques<'_> {
         self.of_predicted(joint, |torques| torques[joint] * (torques[joint] / largest).powi(2))
     }
 
+    /// Viscous friction that is larger in one direction.
+    pub(super) fn asymmetric(&self, joint: usize) -> Option<Vec<f64>> {
+        self.each(|r, k, j| if j == joint { r.motion.dq.sample(k)[joint].abs() } else { 0.0 })
+    }
+
     /// A spring whose rest is anywhere, which the torque's offset takes.
     pub(super) fn spring(&self, joint: usize) -> Option<Vec<f64>> {
         self.each(|r, k, j| if j == joint { r.motion.q.sample(k)[joint] } else { 0.0 })

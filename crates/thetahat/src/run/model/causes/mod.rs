@@ -183,7 +183,7 @@ impl Search<'_> {
 
     fn named_below_of(&self, k: usize) -> f64 {
         let is_by_filtered = match self.residual.candidates[k].cause.kind {
-            CauseKind::Elasticity | CauseKind::FrictionDrift => true,
+            CauseKind::Elasticity | CauseKind::FrictionDrift | CauseKind::AsymmetricFriction => true,
             CauseKind::LoadFriction | CauseKind::SpeedFriction => self.friction == FrictionEvidence::AfterTerms,
             CauseKind::LateTorque
             | CauseKind::EncoderZero
@@ -233,7 +233,8 @@ fn smallest_shown(residual: &Residual, candidate: usize, named_below: f64) -> Op
         | CauseKind::Payload
         | CauseKind::Crosstalk
         | CauseKind::FallingConstant
-        | CauseKind::JointSpring => return None,
+        | CauseKind::JointSpring
+        | CauseKind::AsymmetricFriction => return None,
     }
     residual.test(candidate)?.size?;
     let size = residual.size_beyond(residual.column(candidate), named_below, 1)?;
@@ -303,7 +304,8 @@ impl Cause {
             | CauseKind::SpeedFriction
             | CauseKind::FrictionDrift
             | CauseKind::Payload
-            | CauseKind::JointSpring => true,
+            | CauseKind::JointSpring
+            | CauseKind::AsymmetricFriction => true,
         }
     }
 }

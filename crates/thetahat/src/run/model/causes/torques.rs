@@ -50,6 +50,7 @@ enum Tried {
     Crosstalk([usize; 2]),
     FallingConstant(usize),
     Spring(usize),
+    Asymmetric(usize),
 }
 
 pub(super) struct Torques<'a> {
@@ -187,7 +188,7 @@ impl<'a> Torques<'a> {
         tried.extend((0..3).filter(|&axis| self.can_tilt_about(axis)).map(Tried::Gravity));
         let others = |from: usize| (0..joints).filter(move |&into| into != from);
         tried.extend((0..joints).flat_map(|from| others(from).map(move |into| Tried::Crosstalk([from, into]))));
-        tried.extend((0..joints).flat_map(|j| [Tried::FallingConstant(j), Tried::Spring(j)]));
+        tried.extend((0..joints).flat_map(|j| [Tried::FallingConstant(j), Tried::Spring(j), Tried::Asymmetric(j)]));
         tried
     }
 
@@ -224,6 +225,10 @@ impl<'a> Torques<'a> {
                 (CauseKind::Crosstalk, subject, "", vec![self.crosstalk(from, into)])
             }
             Tried::FallingConstant(j) => (CauseKind::FallingConstant, joint(j), "", vec![self.falling_constant(j)]),
+            Tried::Asymmetric(j) => {
+                let unit = if self.kind(j) == JointKind::Revolute { "N m s/rad" } else { "N s/m" };
+                (CauseKind::AsymmetricFriction, joint(j), unit, vec![self.asymmetric(j)])
+            }
             Tried::Spring(j) => {
                 let unit = if self.kind(j) == JointKind::Revolute { "N m/rad" } else { "N/m" };
                 (CauseKind::JointSpring, joint(j), unit, vec![self.spring(j)])
@@ -245,7 +250,8 @@ impl<'a> Torques<'a> {
             | Tried::Gravity(_)
             | Tried::Crosstalk(_)
             | Tried::FallingConstant(_)
-            | Tried::Spring(_) => None,
+            | Tried::Spring(_)
+            | Tried::Asymmetric(_) => None,
         };
         Some(Cause { kind, subject, unit, columns, instrument, members: Vec::new() })
     }
