@@ -4,9 +4,8 @@ import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { pathToFileURL } from "node:url";
 import { folderOf } from "./command.mjs";
-import { ARM, choose, identify, openFolds, openSite, openSpace, SINGLE_FILE, status, takeDemo, visit } from "./site.mjs";
+import { ARM, choose, identify, openFolds, openSite, openSpace, status, untilReady, visit } from "./site.mjs";
 import { ball, zipOf } from "./surfaces.mjs";
 
 /** Pictures a second at least, at 800 x 600 px without a graphics processor, where other work takes most of the processor. */
@@ -57,20 +56,20 @@ function rate(page) {
   });
 }
 
-test("the demo in 3D: nothing is loaded before, and robot, curves and values show one moment", async (t) => {
+test("the arm in 3D: nothing is loaded before, robot, curves and values show one moment, and a result adds its residual and its bodies", async (t) => {
   const { page, assertQuiet, close } = await visit(site);
   t.after(close);
   const asked = [];
   page.on("request", (request) => asked.push(request.url()));
-  await takeDemo(page);
+  await page.getByRole("button", { name: "Try the arm" }).click();
+  await untilReady(page);
   assert.equal(asked.filter((url) => url.endsWith("robot3d.js")).length, 0);
   await openSpace(page);
-  t.diagnostic(`boxes: ${(await rate(page)).toFixed(0)} pictures a second`);
   const lines = page.locator(".chart .moment");
   const before = await lines.first().getAttribute("d");
   const seek = () => page.getByRole("slider", { name: "Time" }).fill("120");
   assert.ok(await changeBy(page, seek) > 1e-3, "the robot moves");
-  assert.equal(await lines.count(), 6);
+  assert.equal(await lines.count(), 3);
   assert.notEqual(await lines.first().getAttribute("d"), before);
   await page.getByText(/^At \d+\.\d\d s$/).waitFor();
   await canvas(page).focus();
@@ -85,17 +84,6 @@ test("the demo in 3D: nothing is loaded before, and robot, curves and values sho
   };
   assert.ok(await changeBy(page, drag) > TURNED, "a drag turns it");
   assert.ok(await changeBy(page, () => page.getByLabel("Colour").selectOption("none")) > 1e-3, "torques colour it");
-  await page.getByRole("button", { name: "Show flat" }).click();
-  await page.getByRole("img", { name: "The robot as a stick figure" }).waitFor();
-  assertQuiet();
-});
-
-test("after an identification: the residual as colour and curve, and both bodies of each link", async (t) => {
-  const { page, assertQuiet, close } = await visit(site);
-  t.after(close);
-  await page.getByRole("button", { name: "Try the arm" }).click();
-  await status(page).filter({ hasText: "Ready to identify." }).waitFor();
-  await openSpace(page);
   assert.equal(await page.getByLabel("Inertia identified, filled").count(), 0);
   await identify(page);
   await page.getByLabel("Inertia identified, filled").waitFor();
@@ -106,6 +94,8 @@ test("after an identification: the residual as colour and curve, and both bodies
   for (const label of ["Inertia a priori, as wires", "Inertia identified, filled"]) {
     assert.ok(await changeBy(page, () => page.getByLabel(label).click()) > 1e-3, label);
   }
+  await page.getByRole("button", { name: "Show flat" }).click();
+  await page.getByRole("img", { name: "The robot as a stick figure" }).waitFor();
   assertQuiet();
 });
 
@@ -184,17 +174,9 @@ test("without WebGL there is the flat drawing, and a line that says why", async 
     },
   });
   t.after(close);
-  await takeDemo(page);
+  await choose(page, "Choose robot", [ARM]);
   await page.getByText("This browser has no WebGL, so there is no drawing in 3D.").waitFor();
   await page.getByRole("img", { name: "The robot as a stick figure" }).waitFor();
   assert.equal(await page.getByRole("button", { name: "Show in 3D" }).count(), 0);
-  assertQuiet();
-});
-
-test("the single file has the drawing in 3D too", async (t) => {
-  const { page, assertQuiet, close } = await visit(site, { address: pathToFileURL(SINGLE_FILE).href });
-  t.after(close);
-  await takeDemo(page);
-  await openSpace(page);
   assertQuiet();
 });

@@ -65,7 +65,7 @@ export class Boxes {
   }
 
   private part(geometry: BufferGeometry, link: number | null): Mesh {
-    const mesh = new Mesh(geometry, this.materials.ofBox(link));
+    const mesh = new Mesh(geometry, this.materials.of(link));
     this.group.add(mesh);
     return mesh;
   }

@@ -2,51 +2,32 @@
 
 import { Color, DoubleSide, LineBasicMaterial, MeshLambertMaterial } from "three";
 
-/** How transparent meshes are where bodies are drawn inside them. */
-const SEEN_THROUGH = 0.35;
+/** Bodies lie inside the links: they are drawn over them, half transparent. */
+const INSIDE = { transparent: true, opacity: 0.5, depthTest: false, depthWrite: false };
 
 export class Materials {
   /** Of the base. */
   readonly base = new MeshLambertMaterial({ side: DoubleSide });
-  readonly identified = new MeshLambertMaterial({ transparent: true, opacity: 0.5, depthWrite: false });
-  readonly aPriori = new LineBasicMaterial({ transparent: true, opacity: 0.5, depthWrite: false });
+  readonly identified = new MeshLambertMaterial(INSIDE);
+  readonly aPriori = new LineBasicMaterial(INSIDE);
   readonly grid = new LineBasicMaterial();
-  /** Of each link's boxes. */
-  private readonly boxes: MeshLambertMaterial[];
-  /** Of each link's meshes. */
-  private readonly meshes: MeshLambertMaterial[];
+  private readonly links: MeshLambertMaterial[];
   private readonly plain = new Color();
   private painted: (Color | null)[];
 
   constructor(joints: number) {
-    const own = () => Array.from({ length: joints }, () => new MeshLambertMaterial({ side: DoubleSide, forceSinglePass: true }));
-    [this.boxes, this.meshes, this.painted] = [own(), own(), Array.from({ length: joints }, () => null)];
+    this.links = Array.from({ length: joints }, () => new MeshLambertMaterial({ side: DoubleSide }));
+    this.painted = Array.from({ length: joints }, () => null);
   }
 
-  /** Of a link's boxes; null is the base. */
-  ofBox(joint: number | null): MeshLambertMaterial {
-    return joint === null ? this.base : this.boxes[joint]!;
-  }
-
-  /** Of a link's meshes. */
-  ofMesh(joint: number | null): MeshLambertMaterial {
-    return joint === null ? this.base : this.meshes[joint]!;
+  /** Of a joint's link; null is the base. */
+  of(joint: number | null): MeshLambertMaterial {
+    return joint === null ? this.base : this.links[joint]!;
   }
 
   paint(colours: (Color | null)[]): void {
     this.painted = colours;
-    for (const materials of [this.boxes, this.meshes]) {
-      materials.forEach((material, joint) => material.color.copy(this.painted[joint] ?? this.plain));
-    }
-  }
-
-  setTransparent(isTransparent: boolean): void {
-    for (const material of this.meshes) {
-      material.transparent = isTransparent;
-      material.opacity = isTransparent ? SEEN_THROUGH : 1;
-      material.depthWrite = !isTransparent;
-      material.needsUpdate = true;
-    }
+    this.links.forEach((material, joint) => material.color.copy(this.painted[joint] ?? this.plain));
   }
 
   /** Takes the page's colours by their names. */

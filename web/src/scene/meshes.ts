@@ -57,7 +57,7 @@ export async function meshesOf(given: Given, skeleton: Skeleton, materials: Mate
 }
 
 function placed(surface: BufferGeometry, { joint, place, shape }: Visual, materials: Materials): Mesh {
-  const mesh = new Mesh(surface, materials.ofMesh(joint));
+  const mesh = new Mesh(surface, materials.of(joint));
   mesh.applyMatrix4(place);
   if (shape.kind === "mesh") mesh.scale.set(...shape.scale);
   return mesh;

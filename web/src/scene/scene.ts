@@ -104,7 +104,6 @@ export class Scene {
     for (const look of ["aPriori", "identified"] as const) this.bodies[look].forEach((body) => { body.visible = shown[look]; });
     for (const mesh of this.meshes) mesh.visible = shown.meshes;
     this.boxes.hide(shown.meshes ? this.meshed : new Set());
-    this.materials.setTransparent(shown.meshes && this.meshes.length > 0 && (shown.aPriori || shown.identified));
     this.draw();
   }
 
