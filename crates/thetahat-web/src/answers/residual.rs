@@ -17,7 +17,7 @@ pub(super) struct ResidualAnswer {
     time_s: Vec<f64>,
     /// N m or N.
     residual: Vec<Vec<f32>>,
-    /// Root mean square of each joint in all recordings, N m or N.
+    /// Root mean square of each joint in all recordings, whose squares are divided by the rows less the parameters, N m or N.
     noise: Vec<f64>,
 }
 
