@@ -41,7 +41,7 @@ impl Ellipsoid {
     /// From ten inertial parameters about the link's origin, in the order of [`INERTIAL`].
     fn of(inertial: [f64; 10]) -> Option<Self> {
         let RigidBody { m: mass, ms, inertia } = RigidBody::from_parameters(inertial);
-        if !(mass > 0.0) {
+        if mass <= 0.0 {
             return None;
         }
         let centre = ms.map(|moment| moment / mass);
