@@ -26,7 +26,7 @@ const hashOf = (text) => `'sha256-${createHash("sha256").update(text).digest("ba
 const REPORT_SCRIPT = `\n${read(join(REPORT, "script.js"))}\n`;
 
 /** The text of an entry, bundled. */
-async function bundle(entry, { define = {}, alias = {} } = {}) {
+async function bundle(entry, { define = {}, alias = {}, globalName, banner = "" } = {}) {
   const { outputFiles } = await build({
     entryPoints: [join(HERE, "src", entry)],
     bundle: true,
@@ -39,9 +39,14 @@ async function bundle(entry, { define = {}, alias = {} } = {}) {
     jsxImportSource: "preact",
     define: { "import.meta.url": '""', ...define },
     alias,
+    banner: { js: banner },
+    ...(globalName ? { globalName } : {}),
   });
   return outputFiles[0].text;
 }
+
+/** The licence of a package, for the script that contains it. */
+const licence = (name) => `/*! ${name}:\n${read(join(HERE, "node_modules", name, "LICENSE")).trim()}\n*/`;
 
 /** What the page may load and run: its own files, the wasm, and the script of the report that it shows. */
 function policy({ scripts, connect }) {
@@ -74,14 +79,14 @@ const inline = (script) => script.replaceAll("</script", "<\\/script");
 const workerOf = (folder) => bundle("worker.ts", { alias: { "thetahat-web": join(folder, "thetahat_web.js") } });
 const wasmOf = (folder) => readFileSync(join(folder, "thetahat_web_bg.wasm"));
 
-async function served(style, worker, wasm) {
-  const script = await bundle("main.tsx", { define: { ...ABOUT, SINGLE_FILE: "false" } });
+async function served(style, worker, wasm, robot3d) {
+  const script = await pageScript("false");
   const html = page({
     policy: policy({ scripts: ["'self'"], connect: "'self'" }),
     style: '<link rel="stylesheet" href="page.css">',
     scripts: '<script src="page.js"></script>',
   });
-  const shown = { "index.html": html, "page.css": style, "page.js": script };
+  const shown = { "index.html": html, "page.css": style, "page.js": script, "robot3d.js": robot3d };
   const one = { "worker.js": worker, "thetahat_web_bg.wasm": wasm };
   const threads = { "threads/worker.js": await workerOf(WASM.threads), "threads/thetahat_web_bg.wasm": wasmOf(WASM.threads) };
   mkdirSync(join(DIST, "threads"));
@@ -108,15 +113,21 @@ function serviceWorker(files) {
   return bundle("sw.ts", { define: { VERSION: JSON.stringify(version), FILES: JSON.stringify(kept) } });
 }
 
-async function singleFile(style, worker, wasm) {
-  const script = inline(await bundle("main.tsx", { define: { ...ABOUT, SINGLE_FILE: "true" } }));
+function pageScript(isSingleFile) {
+  return bundle("main.tsx", { define: { ...ABOUT, SINGLE_FILE: isSingleFile }, banner: licence("preact") });
+}
+
+async function singleFile(style, worker, wasm, robot3d) {
+  const script = inline(await pageScript("true"));
+  const packed = (bytes) => gzipSync(bytes, { level: 9 }).toString("base64");
   const data = (id, text) => `<script type="text/plain" id="${id}">${text}</script>`;
   const html = page({
-    policy: policy({ scripts: [hashOf(script)], connect: "'none'" }),
+    policy: policy({ scripts: [hashOf(script), hashOf(robot3d)], connect: "'none'" }),
     style: `<style>${style}</style>`,
     scripts: [
       data("worker-script", inline(worker)),
-      data("wasm", gzipSync(wasm, { level: 9 }).toString("base64")),
+      data("wasm", packed(wasm)),
+      data("robot3d", packed(robot3d)),
       `<script>${script}</script>`,
     ].join("\n"),
   });
@@ -131,5 +142,6 @@ const ABOUT = {
 rmSync(DIST, { recursive: true, force: true });
 mkdirSync(DIST, { recursive: true });
 const [style, worker, wasm] = [await bundle("page.css"), await workerOf(WASM.one), wasmOf(WASM.one)];
-await served(style, worker, wasm);
-await singleFile(style, worker, wasm);
+const robot3d = await bundle("scene/index.ts", { globalName: "robot3d", banner: licence("three") });
+await served(style, worker, wasm, robot3d);
+await singleFile(style, worker, wasm, robot3d);

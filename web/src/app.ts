@@ -1,9 +1,11 @@
 // The actions of the user and their effects.
 
 import { Cancelled, Client, SessionError, Trapped } from "./client";
-import type { Exported, Identified, InitRequest, Kind, Remedy, SampleAnswer, SampleName, Understanding } from "./contract";
+import type { Exported, Identified, InitRequest, Kind, LinkBody, Remedy, SampleAnswer, SampleName, Understanding } from "./contract";
 import type { Keeper } from "./kept";
 import { linkedIn, linkOf, type Linked } from "./link";
+import { withoutArchives } from "./given";
+import { isMesh } from "./meshes";
 import { save } from "./save";
 import { EMPTY, isOwnText, requestOf, type Choices, type Experiment, type ExportFormat, type ListedFile, type Problem, type Run, type State, type TaskName } from "./state";
 
@@ -66,12 +68,34 @@ export class App {
   async add(given: GivenFile[]): Promise<void> {
     if (this.state.sample) this.startAnew();
     await this.task("read", async () => {
-      for (const { path, file } of given) {
+      for (const { path, file } of await withoutArchives(given)) {
         this.say(`Reading ${path}.`);
         await this.addOne(path, file);
       }
     });
     if (!this.state.problem) await this.understand();
+  }
+
+  /** Removes all meshes. */
+  async removeMeshes(): Promise<void> {
+    for (const path of this.meshes.keys()) await this.client.remove(path);
+    this.set({ files: this.state.files.filter(({ kind }) => kind !== "mesh"), said: "The meshes are removed." });
+  }
+
+  /** The files of surfaces next to the robot, by their paths. */
+  get meshes(): ReadonlyMap<string, Blob> {
+    return new Map([...this.client.given].filter(([path]) => isMesh(path)));
+  }
+
+  /** The URDF of the robot; empty for another format. */
+  async urdf(): Promise<{ path: string; text: string }> {
+    const { robot } = requestOf(this.state);
+    return robot === undefined ? { path: "", text: "" } : { path: robot, text: await this.client.call("urdf", [robot]) };
+  }
+
+  /** The bodies that a run identified. */
+  async bodies(run: Run): Promise<LinkBody[]> {
+    return JSON.parse(await this.client.call("bodies", [resultsOf(run)])) as LinkBody[];
   }
 
   async remove(path: string): Promise<void> {
@@ -174,10 +198,11 @@ export class App {
   }
 
   private async addOne(path: string, file: File): Promise<void> {
-    const listed: ListedFile = { path, bytes: file.size, kind: null, error: tooLarge(path, file.size) };
+    const listed: ListedFile = { path, bytes: file.size, kind: isMesh(path) ? "mesh" : null, error: tooLarge(path, file.size) };
     if (listed.error === null) await this.recognise(listed, file);
     const replaced = (other: ListedFile) => other.path === path || (isSingle(listed) && other.kind === listed.kind);
-    this.set({ files: [...this.state.files.filter((other) => !replaced(other)), listed], identified: null });
+    const files = [...this.state.files.filter((other) => !replaced(other)), listed];
+    this.set(listed.kind === "mesh" ? { files } : { files, identified: null });
     if (listed.kind === "robot" || listed.kind === "recording") this.set({ choices: this.state.linked ?? {} });
     if (listed.kind === "experiment") this.set({ experiment: { text: await file.text(), origin: "given" } });
   }
@@ -185,6 +210,7 @@ export class App {
   private async recognise(listed: ListedFile, file: File): Promise<void> {
     try {
       await this.client.put(listed.path, file);
+      if (listed.kind === "mesh") return;
       listed.kind = (await this.client.call("kind", [listed.path])) as Kind;
       if (listed.kind === "unknown") listed.error = await this.whyNotRead(listed.path);
       if (listed.kind === "results") listed.error = "These are results. This page needs a robot, its logs and an experiment.";

@@ -1,6 +1,7 @@
 // The page's side of the worker and its threads: calls with answers, and a new worker after one was cancelled or has stopped.
 
 import type { FromWorker, Method, SampleName, ToWorker } from "./contract";
+import { isMesh } from "./meshes";
 import { THREADS, type Program } from "./program";
 
 /** An error with the message of the command line. */
@@ -34,15 +35,15 @@ export class Client {
 
   constructor(private readonly program: Promise<Program>) {}
 
-  /** Puts a file in the session's folder. */
+  /** Puts a file in the session's folder; a mesh stays on the page. */
   async put(path: string, file: Blob): Promise<void> {
-    await this.call("put", [path, file]);
+    if (!isMesh(path)) await this.call("put", [path, file]);
     this.files.set(path, file);
   }
 
   async remove(path: string): Promise<void> {
     this.files.delete(path);
-    await this.call("remove", [path]);
+    if (!isMesh(path)) await this.call("remove", [path]);
   }
 
   /** The answer of a sample, whose files are the session's own. */
@@ -100,7 +101,7 @@ export class Client {
     worker.addEventListener("error", (event) => worker === this.running && this.stop(new Trapped(event.message)));
     worker.postMessage({ module: program.module, threads: this.threads } satisfies ToWorker);
     if (this.sampled) await this.send(worker, "sample", [this.sampled]);
-    for (const put of this.files) await this.send(worker, "put", put);
+    for (const put of this.files) if (!isMesh(put[0])) await this.send(worker, "put", put);
     return worker;
   }
 

@@ -39,15 +39,37 @@ export interface RobotAnswer {
   problem: string | null;
 }
 
-/** Positions of the joints at some instants of the recording. */
+/** Positions of the joints and axes of their links at some instants of the recording. */
 export interface Skeleton {
-  joints: { name: string; kind: string; parent: number | null }[];
+  /** The axis of a joint is given in the axes of its link. */
+  joints: { name: string; kind: string; parent: number | null; axis: Point }[];
   gravity: Point;
   frames: Point[][];
+  /** The axes of each joint's link, as columns. */
+  rotations: Rotation[][];
   time_s: number[];
+  /** The a-priori bodies. */
+  bodies: LinkBody[];
 }
 
 export type Point = [number, number, number];
+/** Three rows. */
+export type Rotation = [Point, Point, Point];
+
+/** The homogeneous ellipsoid that has the mass and inertia of a joint's link; null for parameters that no body has. */
+export interface LinkBody {
+  joint: string;
+  body: Ellipsoid | null;
+}
+
+export interface Ellipsoid {
+  mass: number;
+  /** In the frame of the link, m. */
+  centre: Point;
+  radii: Point;
+  /** In the axes of the link, in the order of the radii. */
+  axes: [Point, Point, Point];
+}
 
 export interface Channel {
   name: string;
@@ -138,10 +160,20 @@ export interface Understanding {
 }
 
 export interface Identified {
-  results: { verdict: Verdict | null; robot: string; title: string; advice: { recommended: string | null }[]; remedies?: Remedy[] };
+  results: { verdict: Verdict | null; robot: string; robot_joints: { name: string }[]; title: string; advice: { recommended: string | null }[]; remedies?: Remedy[] };
   report: string;
   files: Record<string, string>;
   text: string;
+  residual: Residual | null;
+}
+
+/** Measured minus predicted torques in the first recording, thinned: one row for each joint. */
+export interface Residual {
+  method: string;
+  time_s: number[];
+  residual: number[][];
+  /** Root mean square of each joint. */
+  noise: number[];
 }
 
 export type Verdict = "good" | "care" | "do-not-use";
@@ -162,7 +194,7 @@ export interface SampleAnswer {
 }
 
 /** The methods of the session that the page calls. */
-export type Method = "put" | "remove" | "kind" | "understand" | "propose" | "identify" | "apply" | "changed" | "sample" | "export";
+export type Method = "put" | "remove" | "kind" | "understand" | "propose" | "identify" | "apply" | "changed" | "sample" | "export" | "bodies" | "urdf";
 
 /** Messages to the worker that holds the session, first the module and then calls, and to each of its threads. */
 export type ToWorker =

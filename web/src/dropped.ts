@@ -1,9 +1,10 @@
 // Files of a drop, with those in dropped folders.
 
 import type { GivenFile } from "./app";
+import { isUseful } from "./given";
 
-/** Largest number of files from folders: a drop is a robot and its logs. */
-const MOST_FILES = 200;
+/** Largest number of files from folders: a drop is a robot, its meshes and its logs. */
+const MOST_FILES = 1000;
 
 export async function droppedFiles(transfer: DataTransfer): Promise<GivenFile[]> {
   const entries = [...transfer.items].map((item) => item.webkitGetAsEntry()).filter((entry) => entry !== null);
@@ -17,7 +18,7 @@ async function collect(entry: FileSystemEntry, folder: string, found: GivenFile[
   if (found.length >= MOST_FILES) return;
   const path = folder + entry.name;
   if (entry.isFile) {
-    found.push({ path, file: await fileOf(entry as FileSystemFileEntry) });
+    if (folder === "" || isUseful(path)) found.push({ path, file: await fileOf(entry as FileSystemFileEntry) });
   } else {
     const reader = (entry as FileSystemDirectoryEntry).createReader();
     for (const child of await childrenOf(reader)) await collect(child, `${path}/`, found);

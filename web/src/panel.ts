@@ -5,9 +5,9 @@ export interface Panel {
   range: [number, number];
 }
 
-/** A curve over the times in a panel of some width and height. */
-export function panelOf(times: number[], values: number[], { width, height }: { width: number; height: number }): Panel {
-  const [first, last] = [times[0] ?? 0, times.at(-1) ?? 1];
+/** A curve over the times in a panel of some width and height, from the first to the last of its times or of others. */
+export function panelOf(times: number[], values: number[], { width, height }: { width: number; height: number }, ends?: [number, number]): Panel {
+  const [first, last] = ends ?? [times[0] ?? 0, times.at(-1) ?? 1];
   const [low, high] = rangeOf(values);
   const x = (time: number) => ((time - first) / Math.max(last - first, 1e-12)) * width;
   const y = (value: number) => (1 - (value - low) / (high - low)) * height;

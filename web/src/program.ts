@@ -31,15 +31,44 @@ function separate(): Parts {
 
 /** The script as text and the wasm as gzip in base64, each in a data block of the page. */
 function inside(): Parts {
-  return Promise.all([textOf("worker-script"), unpack(textOf("wasm"))]);
+  return Promise.all([textOf("worker-script"), unpacked("wasm").then((bytes) => WebAssembly.compile(bytes))]);
 }
 
 function textOf(id: string): string {
   return document.getElementById(id)?.textContent ?? "";
 }
 
-async function unpack(base64: string): Promise<WebAssembly.Module> {
-  const packed = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
-  const bytes = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return WebAssembly.compile(await new Response(bytes).arrayBuffer());
+/** The bytes of a data block of the page, gzip in base64. */
+function unpacked(id: string): Promise<ArrayBuffer> {
+  const packed = Uint8Array.from(atob(textOf(id)), (letter) => letter.charCodeAt(0));
+  return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
+}
+
+declare global {
+  /** What the script of the drawing in space sets. */
+  var robot3d: typeof import("./scene") | undefined;
+}
+
+/** The drawing in space, loaded when it is first asked for. */
+export async function loadScene(): Promise<typeof import("./scene")> {
+  if (!globalThis.robot3d) await (SINGLE_FILE ? sceneInside() : sceneOfServer());
+  if (!globalThis.robot3d) throw new Error("the drawing in 3D did not start");
+  return globalThis.robot3d;
+}
+
+function sceneOfServer(): Promise<void> {
+  const script = document.createElement("script");
+  script.src = "robot3d.js";
+  return new Promise((resolve, reject) => {
+    script.onload = () => resolve();
+    script.onerror = () => reject(new Error("robot3d.js was not found on the server"));
+    document.head.append(script);
+  });
+}
+
+/** The page's policy allows a script with this text. */
+async function sceneInside(): Promise<void> {
+  const script = document.createElement("script");
+  script.textContent = new TextDecoder().decode(await unpacked("robot3d"));
+  document.head.append(script);
 }

@@ -15,12 +15,18 @@ export interface Ball {
   radius: number;
 }
 
-/** The points in an upright frame: z against gravity, x as close to the robot's x axis as possible. */
-export function upright(frames: Point[][], gravity: Point): Point[][] {
+/** The axes of an upright frame: z against gravity, x as close to the robot's x axis as possible. */
+export function uprightAxes(gravity: Point): [Point, Point, Point] {
   const up = unit([-gravity[0], -gravity[1], -gravity[2]]) ?? [0, 0, 1];
   const level = (axis: Point) => unit([0, 1, 2].map((k) => axis[k]! - dot(axis, up) * up[k]!) as Point);
   const ahead = level([1, 0, 0]) ?? level([0, 1, 0])!;
   const left: Point = [up[1] * ahead[2] - up[2] * ahead[1], up[2] * ahead[0] - up[0] * ahead[2], up[0] * ahead[1] - up[1] * ahead[0]];
+  return [ahead, left, up];
+}
+
+/** The points in the upright frame. */
+export function upright(frames: Point[][], gravity: Point): Point[][] {
+  const [ahead, left, up] = uprightAxes(gravity);
   return frames.map((points) => points.map((point) => [dot(point, ahead), dot(point, left), dot(point, up)]));
 }
 

@@ -6,7 +6,7 @@ export interface ListedFile {
   path: string;
   bytes: number;
   /** Null while unknown. */
-  kind: Kind | null;
+  kind: Kind | "mesh" | null;
   /** Why it is not used. */
   error: string | null;
 }

@@ -55,6 +55,8 @@ function answerOf(session: Session, method: Method, args: unknown[], stage: (tex
     case "changed": return session.changed(first, second);
     case "sample": return session.sample(first);
     case "export": return session.export(first, second, third);
+    case "bodies": return session.bodies(first);
+    case "urdf": return session.urdf(first);
   }
 }
 

@@ -16,6 +16,9 @@ export const ARM = join(REPOSITORY, "examples/arm/arm.urdf");
 /** Milliseconds that a step may take, and the longest run. */
 const PATIENCE = { step: 20e3, run: 120e3 };
 
+/** What Chromium says of drawing without a graphics processor when a picture of the window is taken. */
+const IS_OF_PICTURES = /GL Driver Message \(OpenGL, Performance.*GPU stall due to ReadPixels/;
+
 /** A folder of the recorded data, beside the checkout or at THETAHAT_SHARED; none where they are not there. */
 export function dataset(name) {
   const shared = process.env.THETAHAT_SHARED ?? resolve(REPOSITORY, "../shared");
@@ -36,8 +39,9 @@ export async function openSite(options = {}) {
 }
 
 /** A window on an address, with what it complained of and what it asked of others while it was there. */
-export async function visit({ browser, url }, { width = 1400, scheme = "light", address = url, serviceWorkers = "allow" } = {}) {
+export async function visit({ browser, url }, { width = 1400, scheme = "light", address = url, serviceWorkers = "allow", prepare = null } = {}) {
   const context = await browser.newContext({ viewport: { width, height: HEIGHT }, colorScheme: scheme, reducedMotion: "reduce", serviceWorkers });
+  if (prepare) await context.addInitScript(prepare);
   const complaints = [];
   const strangers = [];
   const origin = new URL(address).origin;
@@ -47,7 +51,7 @@ export async function visit({ browser, url }, { width = 1400, scheme = "light", 
     if (!isOwn) strangers.push(asked);
   });
   context.on("console", (message) => {
-    if (["error", "warning"].includes(message.type())) complaints.push(message.text());
+    if (["error", "warning"].includes(message.type()) && !IS_OF_PICTURES.test(message.text())) complaints.push(message.text());
   });
   context.on("weberror", (error) => complaints.push(String(error.error())));
   const page = await context.newPage();
@@ -81,6 +85,12 @@ export async function untilReady(page) {
 export async function takeDemo(page) {
   await page.getByRole("button", { name: "Try the demo" }).click();
   await untilReady(page);
+}
+
+/** Opens the drawing in 3D and waits until it is there. */
+export async function openSpace(page) {
+  await page.getByRole("button", { name: "Show in 3D" }).click();
+  await page.locator("figure.space[aria-busy=false]").waitFor();
 }
 
 /** Identifies, and gives the line with the verdict. */

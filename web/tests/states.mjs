@@ -2,7 +2,7 @@
 
 import { writeFileSync } from "node:fs";
 import { join } from "node:path";
-import { ARM, choose, identify, status, takeDemo } from "./site.mjs";
+import { ARM, choose, identify, openSpace, status, takeDemo } from "./site.mjs";
 
 export const STATES = {
   empty: async () => {},
@@ -36,6 +36,11 @@ export const STATES = {
   result: async (page) => {
     await identify(page);
     await page.frameLocator("iframe").getByRole("region", { name: "Verdict" }).waitFor();
+  },
+  space: async (page) => {
+    await openSpace(page);
+    await page.getByLabel("Inertia identified, filled").waitFor();
+    await page.getByRole("slider", { name: "Time" }).fill("150");
   },
   exported: async (page) => {
     await page.getByRole("button", { name: "MJCF", exact: true }).click();

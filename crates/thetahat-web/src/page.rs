@@ -132,6 +132,22 @@ impl PageSession {
     pub fn export(&self, results: &str, format: &str, untrusted: bool) -> Outcome<String> {
         to_js(self.0.export(results, format, untrusted))
     }
+
+    /// The bodies of the identified robot of a `results.json`.
+    ///
+    /// # Errors
+    /// The errors of the command `export`.
+    pub fn bodies(&self, results: &str) -> Outcome<String> {
+        to_js(self.0.bodies(results))
+    }
+
+    /// The URDF of a robot; empty for a robot of another format.
+    ///
+    /// # Errors
+    /// A file that is no robot.
+    pub fn urdf(&self, path: &str) -> Outcome<String> {
+        to_js(self.0.urdf(path))
+    }
 }
 
 /// Starts threads, once per memory: waits until as many other workers have called `serve_thread`.

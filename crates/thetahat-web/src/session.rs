@@ -18,7 +18,7 @@ use thetahat_report::{
 };
 
 use crate::{
-    answers::{Exported, Identified, Sample, Understanding},
+    answers::{Exported, Identified, LinkBody, Sample, Understanding},
     budget,
     kind::Kind,
     request::Request,
@@ -191,6 +191,26 @@ impl Session {
         let model = IdentifiedModel::of_results(path, &results, &request)?;
         let format: ExportFormat = format.parse()?;
         Ok(serde_json::to_string(&Exported::of(&model, format)?)?)
+    }
+
+    /// The bodies of the identified robot of a `results.json` as ellipsoids, those that an export writes.
+    ///
+    /// # Errors
+    /// As the command `export`, but not for untrusted results.
+    pub fn bodies(&self, results: &str) -> Outcome<String> {
+        let path = Path::new("results.json");
+        let results = Results::from_json(path, results)?;
+        let request = EstimateRequest { untrusted: true, ..EstimateRequest::default() };
+        let model = IdentifiedModel::of_results(path, &results, &request)?;
+        Ok(serde_json::to_string(&LinkBody::all_of(&model.identified.robot, &model.standard))?)
+    }
+
+    /// The URDF of a robot, its xacro expanded; empty for a robot of another format.
+    ///
+    /// # Errors
+    /// A file that is no robot.
+    pub fn urdf(&self, path: &str) -> Outcome<String> {
+        Ok(RobotSource::read(&self.folder.join(path))?.urdf_text().unwrap_or_default().to_owned())
     }
 
     fn experiment(&self, text: &str) -> Outcome<Experiment> {

@@ -40,10 +40,36 @@ fn the_demonstration_goes_the_whole_way() -> Outcome<()> {
     let identified = answer(&session.identify(toml, &mut |_| ())?);
     assert!(identified["report"].as_str().unwrap().starts_with("<!DOCTYPE html>"));
     assert!(identified["text"].as_str().unwrap().lines().all(|line| line.chars().count() <= 80));
+    let results = identified["files"]["results.json"].as_str().unwrap();
+    assert_drawn(skeleton, &identified["residual"], &answer(&session.bodies(results)?));
     let exported = answer(&session.export(identified["files"]["results.json"].as_str().unwrap(), "mjcf", true)?);
     assert!(exported["file"].as_str().unwrap().contains("<mujoco"));
     assert!(exported["covariance"].as_str().is_some());
     Ok(())
+}
+
+/// What the drawing in 3D needs: axes of links, bodies, and the residual, whose root mean square is its noise but for the parameters,
+/// by which the noise is divided by fewer rows.
+fn assert_drawn(skeleton: &Value, residual: &Value, bodies: &Value) {
+    /// Of the TX40: no joint has more.
+    const PARAMETERS: f64 = 61.0;
+    let list = |value: &Value| value.as_array().unwrap().clone();
+    let number = |value: &Value| value.as_f64().unwrap();
+    let moments = list(&skeleton["rotations"]);
+    assert_eq!(moments.len(), list(&skeleton["frames"]).len());
+    assert!(moments.iter().all(|links| list(links).len() == 6));
+    let names = |bodies: &Value| list(bodies).iter().map(|body| body["joint"].clone()).collect::<Vec<Value>>();
+    assert_eq!(names(bodies), names(&skeleton["bodies"]));
+    assert!(list(bodies).iter().all(|link| number(&link["body"]["mass"]) > 0.0), "{bodies}");
+    let (rows, noise) = (list(&residual["residual"]), list(&residual["noise"]));
+    assert_eq!((rows.len(), noise.len()), (6, 6));
+    for (row, noise) in rows.iter().zip(&noise) {
+        let row = list(row);
+        assert_eq!(row.len(), list(&residual["time_s"]).len());
+        let mean_square = row.iter().map(|v| number(v).powi(2)).sum::<f64>() / row.len() as f64;
+        let ratio = mean_square / number(noise).powi(2);
+        assert!(ratio < 1.0 && ratio > 1.0 - PARAMETERS / row.len() as f64, "{ratio}");
+    }
 }
 
 const ARM: &str = r#"<robot name="arm"><link name="base"/><link name="a"><inertial><mass value="1"/>
@@ -57,6 +83,7 @@ fn a_broken_file_is_an_answer() -> Outcome<()> {
     let folder = Folder::new();
     let mut session = Session::in_folder(folder.path());
     session.put("arm.urdf", ARM.as_bytes().to_vec())?;
+    assert_eq!(session.urdf("arm.urdf")?, ARM);
     session.put("log.csv", b"t,tau_1\n0,1\n0.01,2\n".to_vec())?;
     session.put("broken.npz", b"PK\x03\x04 and no more".to_vec())?;
     let request = json!({ "robot": "arm.urdf", "recordings": ["log.csv", "broken.npz"] });

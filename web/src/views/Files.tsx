@@ -4,16 +4,15 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { GivenFile } from "../app";
 import type { Kind, SampleName } from "../contract";
 import { droppedFiles } from "../dropped";
+import { LOGS, ROBOTS } from "../given";
 import type { ListedFile } from "../state";
 import { size } from "../words";
 import { SAMPLE_NOTES, Samples } from "./Samples";
 import { ShareLink } from "./ShareLink";
 import type { View } from "./Page";
 
-const ROBOTS = ".urdf,.xml,.toml";
-const LOGS = ".csv,.tsv,.txt,.dat,.npy,.npz,.mat,.h5,.hdf5,.parquet,.db3,.mcap,.bag,.zst,.zstd,.toml";
-
-const KINDS: Record<Kind, string> = {
+const KINDS: Record<Kind | "mesh", string> = {
+  mesh: "mesh",
   robot: "robot",
   experiment: "experiment",
   results: "results",
@@ -41,7 +40,7 @@ export function Files({ state, app }: View) {
       {isEmpty && state.linked && <p class="note">The settings of the link are used for the files that you add. <button type="button" onClick={() => app.startAnew()}>Without them</button></p>}
       {state.problem && (state.problem.at === "read" || (state.problem.at === "understand" && !state.understanding)) && <p class="error" role="alert">{state.problem.message}</p>}
       {isEmpty && <Samples state={state} app={app} />}
-      {!isEmpty && <List files={state.files} sample={state.sample} remove={(path) => app.remove(path)} />}
+      {!isEmpty && <List files={state.files} sample={state.sample} remove={(path) => app.remove(path)} removeMeshes={() => app.removeMeshes()} />}
     </section>
   );
 }
@@ -67,7 +66,7 @@ function useDrop(take: (files: GivenFile[]) => void): boolean {
 function Accepted() {
   return (
     <dl class="accepted">
-      <dt>Robot</dt><dd>URDF, or a TOML file with Denavit-Hartenberg parameters</dd>
+      <dt>Robot</dt><dd>URDF, also with its meshes as a folder or zip, or a TOML file with Denavit-Hartenberg parameters</dd>
       <dt>Log</dt><dd>joint positions and torques as CSV, NumPy, MATLAB, Parquet or a ROS 2 bag; one file or several</dd>
       <dt>Experiment</dt><dd>an <code>experiment.toml</code> of the command line, if you have one</dd>
     </dl>
@@ -90,10 +89,20 @@ function FileButton({ label, accept, take }: { label: string; accept: string; ta
   );
 }
 
-function List({ files, sample, remove }: { files: ListedFile[]; sample: SampleName | null; remove: (path: string) => void }) {
+interface ListProps {
+  files: ListedFile[];
+  sample: SampleName | null;
+  remove: (path: string) => void;
+  removeMeshes: () => void;
+}
+
+/** The files, all meshes in one line. */
+function List({ files, sample, remove, removeMeshes }: ListProps) {
+  const isInLine = ({ kind, error }: ListedFile) => kind === "mesh" && error === null;
+  const meshes = files.filter(isInLine);
   return (
     <ul class="files" aria-label="Files">
-      {files.map((file) => (
+      {files.filter((file) => !isInLine(file)).map((file) => (
         <li key={file.path}>
           <span class="name">{file.path}</span>
           <span class="kind">{file.kind === null ? "not read" : KINDS[file.kind]}{file.bytes > 0 && `, ${size(file.bytes)}`}</span>
@@ -101,6 +110,13 @@ function List({ files, sample, remove }: { files: ListedFile[]; sample: SampleNa
           {file.error && <p class="error" role="alert">{file.error}</p>}
         </li>
       ))}
+      {meshes.length > 0 && (
+        <li>
+          <span class="name">{meshes.length === 1 ? "1 mesh" : `${meshes.length} meshes`}</span>
+          <span class="kind">drawn in 3D, {size(meshes.reduce((sum, { bytes }) => sum + bytes, 0))}</span>
+          <button type="button" aria-label="Remove the meshes" onClick={removeMeshes}>Remove</button>
+        </li>
+      )}
       {sample && <li class="note">{SAMPLE_NOTES[sample]}</li>}
     </ul>
   );

@@ -2,7 +2,8 @@
 
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { App } from "../app";
-import type { Series } from "../contract";
+import type { Residual, Series } from "../contract";
+import { useCursor, type Cursor } from "../cursor";
 import { panelOf, timeTicks, type Panel } from "../panel";
 import { isAtWork, isOwnText, type State } from "../state";
 import { seconds, significant } from "../words";
@@ -12,10 +13,11 @@ type Window = [number, number];
 const WIDTH = 340;
 const PLOT = { left: 46, width: 286, top: 24, height: 62, gap: 14 };
 
-export function RecordPlot({ series, state, app }: { series: Series; state: State; app: App }) {
+export function RecordPlot({ series, cursor, state, app }: { series: Series; cursor: Cursor; state: State; app: App }) {
   const [dragged, setDragged] = useState<Window | null>(null);
   const window = dragged ?? series.window_s;
   const isFixed = isOwnText(state.experiment);
+  const residual = state.identified?.residual ?? null;
   useEffect(() => setDragged(null), [series]);
   const choose = (chosen: Window) => {
     setDragged(chosen);
@@ -23,15 +25,29 @@ export function RecordPlot({ series, state, app }: { series: Series; state: Stat
   };
   return (
     <figure class="record">
-      <figcaption class="caption"><span>Positions and torques; the window used is shaded</span></figcaption>
+      <figcaption class="caption"><span>Positions and torques{residual && `, and what ${residual.method.toUpperCase()} leaves of the torques`}; the window used is shaded</span></figcaption>
       {!isFixed && <WindowFields series={series} window={window} isBusy={isAtWork(state)} choose={choose} asFound={() => app.choose({ window_s: undefined })} />}
       <div class="charts">
         {series.joints.map((name, joint) => (
-          <Chart key={name} series={series} joint={joint} window={window} drag={isFixed || isAtWork(state) ? null : setDragged} drop={choose} />
+          <Chart key={name} series={series} joint={joint} residual={residualOf(state, name)} cursor={cursor} window={window} drag={isFixed || isAtWork(state) ? null : setDragged} drop={choose} />
         ))}
       </div>
     </figure>
   );
+}
+
+/** The residual of a joint, by its name. */
+export function residualOf({ identified }: State, name: string): JointResidual | null {
+  const joint = identified?.results.robot_joints.findIndex((one) => one.name === name) ?? -1;
+  const residual = identified?.residual;
+  const values = residual?.residual[joint];
+  return residual && values ? { time_s: residual.time_s, values, noise: residual.noise[joint] ?? 0 } : null;
+}
+
+export interface JointResidual {
+  time_s: Residual["time_s"];
+  values: number[];
+  noise: number;
 }
 
 interface FieldsProps {
@@ -83,12 +99,14 @@ function ordered([a, b]: Window, series: Series): Window {
 interface ChartProps {
   series: Series;
   joint: number;
+  residual: JointResidual | null;
+  cursor: Cursor;
   window: Window;
   drag: ((window: Window | null) => void) | null;
   drop: (window: Window) => void;
 }
 
-function Chart({ series, joint, window, drag, drop }: ChartProps) {
+function Chart({ series, joint, residual, cursor, window, drag, drop }: ChartProps) {
   const ends = endsOf(series);
   const [position, torque] = useMemo(() => [
     panelOf(series.time_s, series.position[joint] ?? [], PLOT),
@@ -96,25 +114,35 @@ function Chart({ series, joint, window, drag, drop }: ChartProps) {
   ], [series, joint]);
   const x = (time: number) => PLOT.left + (PLOT.width * (time - ends[0])) / Math.max(ends[1] - ends[0], 1e-9);
   const second = PLOT.top + PLOT.height + PLOT.gap;
-  const bottom = second + PLOT.height;
+  const third = second + PLOT.height + PLOT.gap;
+  const bottom = (residual ? third : second) + PLOT.height;
+  const left = useMemo(() => residual && panelOf(residual.time_s, residual.values, PLOT, ends), [series, residual?.values]);
   const name = series.joints[joint];
   return (
     <svg class={`chart ${drag ? "drags" : ""}`} viewBox={`0 0 ${WIDTH} ${bottom + 22}`} role="img"
-      aria-label={`${name}: position and torque over time; the window is ${seconds(window[0])} to ${seconds(window[1])}`}
+      aria-label={`${name}: position${residual ? ", torque and residual" : " and torque"} over time; the window is ${seconds(window[0])} to ${seconds(window[1])}`}
       {...useWindowDrag(series, window, drag, drop)}>
       <text class="title" x="2" y="13">{name}</text>
       <rect class="window" x={x(window[0])} y={PLOT.top} width={Math.max(0, x(window[1]) - x(window[0]))} height={bottom - PLOT.top} />
       <Curve panel={position!} top={PLOT.top} unit={unitOf(series.position_unit, joint)} curve="position" />
       <Curve panel={torque!} top={second} unit={unitOf(series.torque_unit, joint)} curve="torque" />
+      {left && <Curve panel={left} top={third} unit={unitOf(series.torque_unit, joint)} curve="residual" />}
       <path class="edge" d={window.map((time) => `M${x(time)} ${PLOT.top}V${bottom}`).join("")} />
       <path class="axis" d={`M${PLOT.left} ${bottom}h${PLOT.width}`} />
+      {cursor.moves && <CursorLine cursor={cursor} x={x} top={PLOT.top} bottom={bottom} />}
       {timeTicks(ends).map((tick) => <text key={tick} x={x(tick)} y={bottom + 14} text-anchor="middle">{significant(tick)}</text>)}
     </svg>
   );
 }
 
+/** The moment that the robot shows. */
+function CursorLine({ cursor, x, top, bottom }: { cursor: Cursor; x: (time: number) => number; top: number; bottom: number }) {
+  useCursor(cursor);
+  return <path class="moment" d={`M${x(cursor.time).toFixed(1)} ${top}V${bottom}`} />;
+}
+
 /** The unit of a joint's values: one for all, or one of each. */
-function unitOf(unit: string | string[], joint: number): string {
+export function unitOf(unit: string | string[], joint: number): string {
   return typeof unit === "string" ? unit : (unit[joint] ?? "");
 }
 

@@ -1,7 +1,9 @@
 // The robot as a stick figure that moves as it was recorded; drag or the slider turns it.
 
-import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import type { ComponentChildren } from "preact";
+import { useMemo, useRef, useState } from "preact/hooks";
 import type { Point, Skeleton } from "../contract";
+import { useCursor, type Cursor } from "../cursor";
 import { ballAround, pathOf, project, upright, type Ball, type Direction } from "../projection";
 
 /** Half the picture's side, in its own units. */
@@ -12,26 +14,36 @@ const START: Direction = { yaw: -0.6, pitch: 0.35 };
 /** Turn per pixel of a drag, rad. */
 const TURN = 0.01;
 
-export function StickFigure({ skeleton: recorded }: { skeleton: Skeleton }) {
+export function StickFigure({ skeleton: recorded, cursor, children }: { skeleton: Skeleton; cursor: Cursor; children: ComponentChildren }) {
   const skeleton = useMemo(() => ({ ...recorded, frames: upright(recorded.frames, recorded.gravity) }), [recorded]);
   const [direction, setDirection] = useState(START);
-  const { index, seek, isPlaying, setPlaying } = usePlayback(skeleton.time_s);
+  useCursor(cursor);
   const ball = useMemo(() => ballAround(skeleton.frames.flat()), [skeleton]);
-  const time = skeleton.time_s[index] ?? 0;
-  const isMoving = skeleton.frames.length > 1;
   const degrees = Math.round((direction.yaw * 180) / Math.PI);
   return (
     <figure class="robot">
-      <Picture skeleton={skeleton} index={index} ball={ball} direction={direction} turn={setDirection} />
-      <figcaption class="caption"><span>{isMoving ? `The recorded motion, at ${time.toFixed(2)} s` : "The robot with its joints at zero"}</span></figcaption>
+      <Picture skeleton={skeleton} index={cursor.index} ball={ball} direction={direction} turn={setDirection} />
+      <figcaption class="caption"><span>{cursor.moves ? `The recorded motion, at ${cursor.time.toFixed(2)} s` : "The robot with its joints at zero"}</span></figcaption>
       <div class="controls">
-        {isMoving && <button type="button" onClick={() => setPlaying(!isPlaying)}>{isPlaying ? "Pause" : "Play"}</button>}
-        {isMoving && <label>Time<input type="range" min="0" max={skeleton.frames.length - 1} value={index} aria-valuetext={`${time.toFixed(2)} s`}
-          onInput={(event) => seek(event.currentTarget.valueAsNumber)} /></label>}
+        <TimeControls cursor={cursor} />
         <label>Turn<input type="range" min="-180" max="180" value={degrees} aria-valuetext={`${degrees} degrees`}
           onInput={(event) => setDirection({ ...direction, yaw: (event.currentTarget.valueAsNumber * Math.PI) / 180 })} /></label>
+        {children}
       </div>
     </figure>
+  );
+}
+
+/** Plays, and seeks a time; nothing for a robot that does not move. */
+export function TimeControls({ cursor }: { cursor: Cursor }) {
+  useCursor(cursor);
+  if (!cursor.moves) return null;
+  return (
+    <>
+      <button type="button" onClick={() => (cursor.isPlaying ? cursor.pause() : cursor.play())}>{cursor.isPlaying ? "Pause" : "Play"}</button>
+      <label>Time<input type="range" min="0" max={cursor.times.length - 1} value={cursor.index} aria-valuetext={`${cursor.time.toFixed(2)} s`}
+        onInput={(event) => cursor.seek(event.currentTarget.valueAsNumber)} /></label>
+    </>
   );
 }
 
@@ -85,29 +97,4 @@ function useDrag({ yaw, pitch }: Direction, turn: (direction: Direction) => void
 
 function wrapped(angle: number): number {
   return Math.atan2(Math.sin(angle), Math.cos(angle));
-}
-
-/** Plays the moments at their times, over and over; starts by itself where motion is welcome. */
-function usePlayback(times: number[]) {
-  const [index, setIndex] = useState(0);
-  const [isPlaying, setPlaying] = useState(() => !matchMedia("(prefers-reduced-motion: reduce)").matches);
-  useEffect(() => {
-    if (!isPlaying || times.length < 2) return;
-    const begin = performance.now() - 1000 * ((times[index] ?? 0) - times[0]!);
-    let request = requestAnimationFrame(function step(now) {
-      setIndex(indexAt(times, (now - begin) / 1000));
-      request = requestAnimationFrame(step);
-    });
-    return () => cancelAnimationFrame(request);
-  }, [isPlaying, times]);
-  const seek = (to: number) => { setPlaying(false); setIndex(to); };
-  return { index: Math.min(index, times.length - 1), seek, isPlaying, setPlaying };
-}
-
-/** The last moment up to a time since the first, which begins again after the last. */
-function indexAt(times: number[], elapsed: number): number {
-  const [first, last] = [times[0]!, times.at(-1)!];
-  const time = first + (elapsed % Math.max(last - first, 1e-3));
-  const after = times.findIndex((moment) => moment > time);
-  return after < 0 ? times.length - 1 : Math.max(0, after - 1);
 }

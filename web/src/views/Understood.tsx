@@ -1,15 +1,21 @@
 // What was read from the files, and the choices that correct it.
 
+import { useEffect, useMemo, useState } from "preact/hooks";
 import type { RecordingAnswer, RobotAnswer, Understanding } from "../contract";
+import { Cursor } from "../cursor";
 import { count, seconds, significant } from "../words";
 import { Choices } from "./Choices";
 import { Findings } from "./Findings";
 import type { View } from "./Page";
 import { RecordPlot } from "./RecordPlot";
+import { Robot3D, webGlRenderer } from "./Robot3D";
 import { StickFigure } from "./StickFigure";
 
 export function Understood({ state, app, understanding }: View & { understanding: Understanding }) {
   const { robot, recordings, proposal, skeleton, series } = understanding;
+  const cursor = useMoment(understanding);
+  const [isSpatial, setSpatial] = useState(false);
+  const isDrawn = skeleton !== null && skeleton.frames.length > 0;
   return (
     <section id="understood" aria-labelledby="understood-title" aria-busy={state.task?.name === "understand"}>
       <h2 id="understood-title">What we read</h2>
@@ -22,13 +28,31 @@ export function Understood({ state, app, understanding }: View & { understanding
           </dl>
           <Findings state={state} app={app} understanding={understanding} problem={state.problem?.at === "understand" ? state.problem.message : null} />
         </div>
-        {skeleton && skeleton.frames.length > 0 && <StickFigure skeleton={skeleton} />}
+        {isDrawn && !isSpatial && <StickFigure skeleton={skeleton} cursor={cursor}><Opener open={() => setSpatial(true)} /></StickFigure>}
       </div>
-      {series && <RecordPlot series={series} state={state} app={app} />}
+      {isDrawn && isSpatial && <Robot3D key={skeleton} skeleton={skeleton} series={series} cursor={cursor} state={state} app={app} close={() => setSpatial(false)} />}
+      {series && <RecordPlot series={series} cursor={cursor} state={state} app={app} />}
       {recordings.length > 0 && robot && <Choices state={state} app={app} understanding={understanding} />}
       {recordings.map((recording) => <Inspected key={recording.path} recording={recording} />)}
     </section>
   );
+}
+
+/** The moment that all drawings of an understanding show; it plays by itself where motion is welcome. */
+function useMoment({ skeleton }: Understanding): Cursor {
+  const cursor = useMemo(() => new Cursor(skeleton?.time_s ?? []), [skeleton]);
+  useEffect(() => {
+    if (!matchMedia("(prefers-reduced-motion: reduce)").matches) cursor.play();
+    return () => cursor.pause();
+  }, [cursor]);
+  return cursor;
+}
+
+/** Opens the drawing in space, where the browser has one. */
+function Opener({ open }: { open: () => void }) {
+  const renderer = useMemo(webGlRenderer, []);
+  if (renderer === null) return <p class="note">This browser has no WebGL, so there is no drawing in 3D.</p>;
+  return <button type="button" onClick={open}>Show in 3D</button>;
 }
 
 function Robot({ robot }: { robot: RobotAnswer }) {

@@ -6,6 +6,7 @@ use serde::Serialize;
 use thetahat::{Results, report::Published};
 use thetahat_report::report::{self, TextWidth};
 
+use super::residual::ResidualAnswer;
 use crate::session::Outcome;
 
 const REPORT: &str = "report.html";
@@ -20,6 +21,7 @@ pub(crate) struct Identified<'a> {
     files: BTreeMap<&'static str, String>,
     /// The output of the command line, without the names of files.
     text: String,
+    residual: Option<ResidualAnswer>,
 }
 
 impl<'a> Identified<'a> {
@@ -36,6 +38,7 @@ impl<'a> Identified<'a> {
             report::brief(results, width),
             report::card_text(results, width)
         );
-        Ok(Self { results, report: files.remove(REPORT).unwrap_or_default(), files, text })
+        let report = files.remove(REPORT).unwrap_or_default();
+        Ok(Self { results, report, files, text, residual: ResidualAnswer::of(results) })
     }
 }
