@@ -11,7 +11,7 @@ use thetahat::{
     identification::Status,
 };
 use thetahat_ground::series::Series;
-use thetahat_model::robot::RobotError;
+use thetahat_model::robot::{LoopKind, RobotError};
 use thetahat_testing::{Folder, project};
 
 /// Standard deviations from the truth that none of 21 normal numbers exceeds in 99.9 % of all cases.
@@ -90,9 +90,23 @@ fn an_export_has_the_loops_of_the_robot_or_is_refused() {
     for format in [ExportFormat::Urdf, ExportFormat::Sdf] {
         assert!(matches!(export(&robot, format), Err(ExportError::Loops { .. })), "{format:?}");
     }
-    let mut rod = robot.clone();
-    rod.loops[0].kind = thetahat_model::robot::LoopKind::Distance { length: 0.1 };
-    assert!(matches!(export(&rod, ExportFormat::Mjcf), Err(ExportError::Rod { .. })));
+}
+
+/// Rods are tendons of a constant length, which are read back as rods.
+#[test]
+fn an_export_has_the_rods_of_a_delta_and_of_an_ankle() {
+    for (file, rods) in [("robots/delta.toml", 3), ("robots/ankle.toml", 2)] {
+        let robot = Robot::read(&project(file)).unwrap();
+        let mjcf = export_robot(&robot, None, &completed_a_priori(&robot, None), ExportFormat::Mjcf, &[]).unwrap();
+        assert!(mjcf.check().unwrap() < 1e-9, "{file}");
+        assert_eq!(mjcf.text.matches("<spatial name=\"loop_").count(), rods, "{}", mjcf.text);
+        let back = Robot::parse(&mjcf.text, Path::new("back.xml")).unwrap();
+        let length = |robot: &Robot, k: usize| match robot.loops[k].kind {
+            LoopKind::Distance { length } => length,
+            other => panic!("{file}: {other:?}"),
+        };
+        assert!((0..rods).all(|k| (length(&back, k) - length(&robot, k)).abs() < 1e-12), "{:?}", back.loops);
+    }
 }
 
 const DESIGN: &str = "title = 'five bars'\nrobot = 'five_bar.toml'\nduration_s = 3\nsample_rate_hz = 500\n[motion]\nharmonics = 3\n\

@@ -13,9 +13,7 @@ import mujoco
 import numpy
 
 STATES, WAVE = 4, 0.2
-REACH = {
-    "ankle": [0.35, 0.35], "delta": [0.5, 0.5, 0.5], "delta_rods": [0.5, 0.5, 0.5], "palletiser": [2.0, 0.4, 0.4], "welded_bars": [0.6]
-}
+REACH = {"ankle": [0.35] * 2, "delta": [0.5] * 3, "palletiser": [2.0, 0.4, 0.4], "welded_bars": [0.6]}
 
 
 def points(model, data):
@@ -71,7 +69,7 @@ def place(model, data, q, dq):
 
 def near(model, data, all_q, driven, dq):
     """Closes the loops from positions near by, in place; G, and the accelerations where the driven joints have none."""
-    passive = [j for j in range(model.nv) if j not in driven]
+    passive = numpy.setdiff1d(numpy.arange(model.nv), driven)
     solve = lambda a, b: numpy.linalg.lstsq(a, b, rcond=None)[0]
     for _ in range(20):
         gaps, jacobian, _ = place(model, data, all_q, numpy.zeros(model.nv))
@@ -98,13 +96,17 @@ def closed(model, data, driven, q):
 
 
 def dynamics(model, data, driven, all_q, dq):
-    """Mass matrix and bias forces of the driven joints, the tree's mass matrix times G, and the torques of damping."""
+    """Mass matrix and bias forces of the driven joints, and G."""
     g, drift = near(model, data, all_q, driven, dq)
     mujoco.mj_makeM(model, data)
     mass, force = numpy.zeros((model.nv, model.nv)), numpy.zeros(model.nv)
     mujoco.mj_fullM(model, mass, data.qM)
     mujoco.mj_rne(model, data, 0, force)
-    return g.T @ mass @ g, g.T @ (force + mass @ drift), g.T @ (model.dof_damping.ravel()[: model.nv] * (g @ dq))
+    return g.T @ mass @ g, g.T @ (force + mass @ drift), g
+
+
+def damped(model, g, dq):
+    return g.T @ (model.dof_damping.ravel()[: model.nv] * (g @ dq))
 
 
 def simulated(model, data, driven, all_q, stiffness, damping):
@@ -114,9 +116,9 @@ def simulated(model, data, driven, all_q, stiffness, damping):
     def slope(t, state):
         q, dq = numpy.split(state, 2)
         all_q[driven] = q
-        mass, bias, friction = dynamics(model, data, driven, all_q, dq)
+        mass, bias, g = dynamics(model, data, driven, all_q, dq)
         torques = stiffness * (start + WAVE * numpy.sin(2 * numpy.pi * t) - q) - damping * dq
-        return numpy.concatenate([dq, numpy.linalg.solve(mass, torques - bias - friction)])
+        return numpy.concatenate([dq, numpy.linalg.solve(mass, torques - bias - damped(model, g, dq))])
 
     state = numpy.concatenate([start, 0 * start])
     for k in range(1000):
@@ -141,12 +143,12 @@ def main():
         print(f"\n[[model]]\nname = \"{path.stem}\"\njoints = {len(driven)}")
         print(f"frictionloss = {numbers(model.dof_frictionloss[driven])}")
         for _ in range(STATES):
-            q = (generator.uniform(-1, 1, len(driven)) * REACH[path.stem]).round(3)
+            q = (generator.uniform(-1, 1, len(driven)) * REACH[path.stem.removesuffix("_rods")]).round(3)
             dq, ddq = generator.normal(size=(2, len(driven))).round(3)
             all_q = closed(model, data, driven, q)
-            mass, bias, friction = dynamics(model, data, driven, all_q, dq)
+            mass, bias, g = dynamics(model, data, driven, all_q, dq)
             print(f"[[model.state]]\nq = {numbers(q)}\ndq = {numbers(dq)}\nddq = {numbers(ddq)}")
-            print(f"mass = {numbers(mass)}\nbias = {numbers(bias)}\ntau = {numbers(bias + mass @ ddq + friction)}")
+            print(f"mass = {numbers(mass)}\nbias = {numbers(bias)}\ntau = {numbers(bias + mass @ ddq + damped(model, g, dq))}")
         stiffness, damping = (numpy.diag(mass) * factor for factor in [(4 * numpy.pi) ** 2, 8 * numpy.pi])
         state = simulated(model, data, driven, all_q, stiffness, damping)
         print(f"[model.simulation]\nq = {numbers(q)}\nstiffness = {numbers(stiffness)}\ndamping = {numbers(damping)}")

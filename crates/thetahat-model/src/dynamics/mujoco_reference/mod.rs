@@ -88,7 +88,7 @@ fn mass_matrix_bias_forces_and_inverse_dynamics_are_those_of_mujoco() {
 /// The models of `loops` close: `make_loops.py` projected the dynamics of their trees.
 #[test]
 fn mechanisms_that_close_are_those_of_mujoco() {
-    compare("loops", include_str!("loops.toml"), 5);
+    compare("loops", include_str!("loops.toml"), 6);
 }
 
 /// Largest difference after 4000 evaluations, rad: each closes the loops to rounding.
@@ -142,19 +142,31 @@ fn mechanisms_that_close_move_as_those_of_mujoco() {
 fn compare(folder: &str, values: &str, models: usize) {
     let values: Values = toml::from_str(values).unwrap();
     assert_eq!(values.model.len(), models);
-    for ModelValues { name, joints, state, .. } in values.model {
-        let robot = robot(folder, &name);
-        let model = Model::new(&robot);
-        assert_eq!(robot.coordinate_count(), joints, "{name}");
-        let full = parameters(&model, &robot, &[Role::CoulombFriction]);
-        let links = parameters(&model, &robot, &[Role::CoulombFriction, Role::ViscousFriction, Role::Load]);
-        for state in &state {
-            let mut mass = vec![0.0; joints * joints];
-            model.mass_matrix(&full, &state.q, &mut Workspace::new(&model), &mut mass);
-            same(&mass, &state.mass, &format!("{name}, mass matrix"));
-            same(&torques(&model, &links, state, &vec![0.0; joints]), &state.bias, &format!("{name}, bias forces"));
-            same(&torques(&model, &full, state, &state.ddq), &state.tau, &format!("{name}, inverse dynamics"));
-        }
+    values.model.iter().for_each(|values| compare_robot(&robot(folder, &values.name), values));
+}
+
+fn compare_robot(robot: &Robot, ModelValues { name, joints, state, .. }: &ModelValues) {
+    let (model, joints) = (Model::new(robot), *joints);
+    assert_eq!(robot.coordinate_count(), joints, "{name}");
+    let full = parameters(&model, robot, &[Role::CoulombFriction]);
+    let links = parameters(&model, robot, &[Role::CoulombFriction, Role::ViscousFriction, Role::Load]);
+    for state in state {
+        let mut mass = vec![0.0; joints * joints];
+        model.mass_matrix(&full, &state.q, &mut Workspace::new(&model), &mut mass);
+        same(&mass, &state.mass, &format!("{name}, mass matrix"));
+        same(&torques(&model, &links, state, &vec![0.0; joints]), &state.bias, &format!("{name}, bias forces"));
+        same(&torques(&model, &full, state, &state.ddq), &state.tau, &format!("{name}, inverse dynamics"));
+    }
+}
+
+/// The Delta and the ankle of `robots`, whose rods are distances, are the models whose rods are tendons.
+#[test]
+fn mechanisms_with_rods_are_those_of_mujoco() {
+    let values: Values = toml::from_str(include_str!("loops.toml")).unwrap();
+    for (file, name) in [("delta.toml", "delta_rods"), ("ankle.toml", "ankle_rods")] {
+        let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots");
+        let values = values.model.iter().find(|values| values.name == name).unwrap();
+        compare_robot(&Robot::read(&robots.join(file)).unwrap(), values);
     }
 }
 
