@@ -125,9 +125,9 @@ fn an_export_has_the_rods_of_a_delta_and_of_an_ankle() {
         assert!(mjcf.check().unwrap() < 1e-9, "{file}");
         assert_eq!(mjcf.text.matches("<spatial name=\"loop_").count(), rods, "{}", mjcf.text);
         let back = Robot::parse(&mjcf.text, Path::new("back.xml")).unwrap();
-        let length = |robot: &Robot, k: usize| match robot.loops[k].kind {
-            LoopKind::Distance { length } => length,
-            other => panic!("{file}: {other:?}"),
+        let length = |robot: &Robot, k: usize| {
+            let LoopKind::Distance { length } = robot.loops[k].kind else { panic!("{file}: {:?}", robot.loops[k]) };
+            length
         };
         assert!((0..rods).all(|k| (length(&back, k) - length(&robot, k)).abs() < 1e-12), "{:?}", back.loops);
     }
