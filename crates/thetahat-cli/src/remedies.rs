@@ -135,7 +135,6 @@ fn of_export(error: &ExportError) -> Option<String> {
         ExportError::Experiment(error) => of_experiment(error),
         ExportError::Mjcf(error) => of_mjcf(error),
         ExportError::FollowsSeveral { .. } => Some("give --to json".to_owned()),
-        ExportError::Rod { .. } => Some("give --to json, or --into MODEL".to_owned()),
         ExportError::Loops { .. } => Some("give --to mjcf, --to json, or --into MODEL".to_owned()),
         ExportError::NoReader { .. } => Some("leave out --check".to_owned()),
         _ => None,

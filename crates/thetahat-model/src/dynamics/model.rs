@@ -49,7 +49,10 @@ pub enum DynamicsError {
         joint: usize,
     },
     /// More passive joints than equations.
-    #[error("the loops have {equations} equations for {passive} passive joints; name fewer joints in `passive`")]
+    #[error(
+        "the loops have {equations} equations for {passive} passive joints; name fewer joints in `passive`, and leave out a hinge by which \
+         a rod only turns about itself"
+    )]
     LoopConditions {
         /// Equations of the conditions.
         equations: usize,

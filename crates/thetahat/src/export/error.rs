@@ -102,15 +102,6 @@ pub enum ExportError {
         /// The format; none for a model of the user's own.
         format: Option<ExportFormat>,
     },
-    /// A loop that keeps two points at a distance, which an MJCF has not.
-    #[error(
-        "loop `{name}` keeps two points at a distance, and an MJCF has no such constraint; JSON has, and a MuJoCo model of your own \
-         keeps its rod as a body"
-    )]
-    Rod {
-        /// The loop.
-        name: String,
-    },
     /// A format of drives has those of single joints.
     #[error("{} has a drive for each joint, and motor {motor} turns several; JSON and MJCF have such motors", format.title())]
     CoupledActuators {

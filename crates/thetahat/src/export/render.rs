@@ -14,7 +14,7 @@ use super::{
     urdf_edit::edited,
     urdf_new,
 };
-use thetahat_model::robot::{Loop, LoopKind, Robot};
+use thetahat_model::robot::Robot;
 
 /// What an export is made of.
 #[derive(Debug, Clone, Copy)]
@@ -166,21 +166,9 @@ fn require_base(robot: &Robot, target: Target<'_>) -> Result<(), ExportError> {
 /// That the robot is a tree, where the format has no loops.
 fn require_loops(robot: &Robot, target: Target<'_>) -> Result<(), ExportError> {
     match target {
-        Target::Into(_) | Target::File(ExportFormat::Json) => Ok(()),
-        Target::File(ExportFormat::Mjcf) => match robot.loops.iter().find(|of_loop| is_rod(of_loop)) {
-            Some(rod) => Err(ExportError::Rod { name: rod.name.clone() }),
-            None => Ok(()),
-        },
+        Target::Into(_) | Target::File(ExportFormat::Json | ExportFormat::Mjcf) => Ok(()),
         Target::File(format) if !robot.loops.is_empty() => Err(ExportError::Loops { format }),
         Target::File(_) => Ok(()),
-    }
-}
-
-/// Whether a loop keeps two points at a distance.
-fn is_rod(of_loop: &Loop) -> bool {
-    match of_loop.kind {
-        LoopKind::Distance { .. } => true,
-        LoopKind::Point | LoopKind::Axis | LoopKind::Pose => false,
     }
 }
 

@@ -5,16 +5,17 @@ use thetahat_estimation::{
     regression::Regression,
 };
 
-/// The columns that the motion separates, and the estimate with them.
+/// The columns that the motion separates, and the estimate with them; what is nearly a sum of others can turn out as one when those
+/// that are sums are gone.
 pub(super) fn separated(regression: &Regression) -> Result<(Vec<usize>, Vec<f64>), EstimationError> {
-    let all = 0..regression.x.columns();
-    match idim_ls(regression, Divisor::default()) {
-        Ok(fit) => Ok((all.collect(), fit.theta)),
-        Err(EstimationError::NotIdentifiable { dependent, .. }) => {
-            let columns: Vec<usize> = all.filter(|c| !dependent.contains(c)).collect();
-            let fit = idim_ls(&regression.with_columns(&columns), Divisor::default())?;
-            Ok((columns, fit.theta))
+    let mut columns: Vec<usize> = (0..regression.x.columns()).collect();
+    loop {
+        match idim_ls(&regression.with_columns(&columns), Divisor::default()) {
+            Ok(fit) => return Ok((columns, fit.theta)),
+            Err(EstimationError::NotIdentifiable { dependent, .. }) => {
+                columns = (0..columns.len()).filter(|c| !dependent.contains(c)).map(|c| columns[c]).collect();
+            }
+            Err(error) => return Err(error),
         }
-        Err(error) => Err(error),
     }
 }

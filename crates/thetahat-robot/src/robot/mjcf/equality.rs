@@ -1,4 +1,4 @@
-//! `<equality>`: joints that follow others, or are held; and bodies that close loops.
+//! `<equality>`: joints that follow others, or are held; bodies and tendons that close loops.
 
 use std::collections::HashMap;
 
@@ -7,7 +7,7 @@ use super::{
     classes::{Classes, MAIN, Properties},
     element::{Attribute, Element, elements_of},
     error::MjcfError,
-    loops::{ClosedBodies, closed_bodies, closed_positions},
+    loops::{ClosedBodies, closed_bodies, closed_positions, rod},
     world::World,
 };
 use crate::robot::{LARGEST, Mimic, tree};
@@ -31,7 +31,8 @@ impl<'a> Equalities<'a> {
     ) -> Result<Self, MjcfError> {
         let n = assembly.joints.len();
         let mut reader = Reader { assembly, mimics: vec![None; n], held: vec![None; n], stated: vec![None; n] };
-        let (tendons, mut loops) = (fixed_tendons(root), Vec::new());
+        let [tendons, spatial] = ["fixed", "spatial"].map(|kind| tendons(root, kind));
+        let mut loops = Vec::new();
         let positions = closed_positions(root, assembly);
         for element in elements_of(root, "equality")? {
             let equality = classes.of(element, MAIN, &["equality"])?;
@@ -40,7 +41,10 @@ impl<'a> Equalities<'a> {
                 _ if active == Some(false) => {}
                 "joint" => reader.follow(&equality)?,
                 "connect" | "weld" => loops.extend(closed_bodies(&equality, world, assembly, &positions)?),
-                "tendon" => reader.couple(&equality, &tendons)?,
+                "tendon" => match element.text_of("tendon1").and_then(|name| spatial.get(name)) {
+                    Some(tendon) => loops.extend(rod(&equality, *tendon, world, assembly, &positions)?),
+                    None => reader.couple(&equality, &tendons)?,
+                },
                 // Equalities of flexible bodies move no joint.
                 _ => {}
             }
@@ -49,9 +53,9 @@ impl<'a> Equalities<'a> {
     }
 }
 
-/// The fixed tendons by name.
-fn fixed_tendons(root: Element<'_>) -> HashMap<&str, Element<'_>> {
-    let tendons = root.named("tendon").flat_map(|tendon| tendon.named("fixed"));
+/// The tendons of a kind by name.
+fn tendons<'a>(root: Element<'a>, kind: &'static str) -> HashMap<&'a str, Element<'a>> {
+    let tendons = root.named("tendon").flat_map(|tendon| tendon.named(kind));
     tendons.filter_map(|tendon| Some((tendon.text_of("name")?, tendon))).collect()
 }
 
@@ -97,7 +101,7 @@ impl<'a> Reader<'_, 'a> {
                 self.bind(first, Some(second), [constant / own, -other / own], element)
             }
             (None | Some(_), _) => Err(element.unsupported(
-                "only a fixed tendon of one or two joints makes a joint follow another; give the equality active=\"false\"",
+                "only a fixed tendon of one or two joints makes a joint follow another, and one between two sites a rod; give the equality active=\"false\"",
             )),
         }
     }

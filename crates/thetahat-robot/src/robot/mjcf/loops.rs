@@ -1,4 +1,4 @@
-//! `<connect>` and `<weld>` between bodies of different links: conditions that close loops.
+//! `<connect>` and `<weld>` between bodies of different links, and tendons of a constant length: conditions that close loops.
 
 use super::{
     actuators::Actuators,
@@ -9,7 +9,7 @@ use super::{
     world::World,
 };
 use crate::robot::{Joint, Loop, LoopFrame, LoopKind, MOST_JOINTS, Robot, body::Frame};
-use thetahat_ground::vector::quaternion_rotation;
+use thetahat_ground::vector::{norm, quaternion_rotation, sub};
 
 /// An equality that closes a loop.
 pub(super) struct ClosedBodies<'a> {
@@ -35,29 +35,70 @@ pub(super) fn closed_bodies<'a>(
 ) -> Result<Option<ClosedBodies<'a>>, MjcfError> {
     let element = equality.element();
     let kind = if element.tag() == "weld" { LoopKind::Pose } else { LoopKind::Point };
-    let carrier = |body: Body| body.and_then(|body| assembly.places[body].carrier);
     let ends = match (element.text_of("site1"), element.text_of("site2")) {
         (Some(first), Some(second)) => [site(element, first, world)?, site(element, second, world)?],
         (None | Some(_), None | Some(_)) => {
             let why = "it closes a loop; give body1, body2 and the anchor, or site1 and site2";
             let first = body(element, "body1", world)?.ok_or_else(|| element.unsupported(why))?;
             let bodies = [first, body(element, "body2", world)?.unwrap_or(None)];
-            if carrier(bodies[0]) == carrier(bodies[1]) {
+            if carrier(bodies[0], assembly) == carrier(bodies[1], assembly) {
                 return Ok(None);
             }
             frames_of_bodies(equality, bodies, world)?
         }
     };
-    if carrier(ends[0].0) == carrier(ends[1].0) {
-        return Ok(None);
-    }
-    let on_link = |(body, frame): OnBody| {
+    Ok(joined(element, kind, ends, assembly, positions))
+}
+
+/// The loop that joins frames of two bodies; none if they are of one link.
+fn joined<'a>(
+    element: Element<'a>,
+    kind: LoopKind,
+    ends: [OnBody; 2],
+    assembly: &Assembly<'a>,
+    positions: &[f64],
+) -> Option<ClosedBodies<'a>> {
+    let [from, to] = ends.map(|(body, frame)| {
         let frame = body.map_or(frame, |body| assembly.places[body].in_link(&frame));
-        LoopFrame { joint: carrier(body), rotation: frame.rotation, origin: frame.origin }
-    };
+        LoopFrame { joint: carrier(body, assembly), rotation: frame.rotation, origin: frame.origin }
+    });
     let near = positions.iter().copied().enumerate().collect();
-    let [from, to] = ends.map(on_link);
-    Ok(Some(ClosedBodies { element, of_loop: Loop { name: element.name(), kind, from, to, near } }))
+    let of_loop = Loop { name: element.name(), kind, from, to, near };
+    (from.joint != to.joint).then_some(ClosedBodies { element, of_loop })
+}
+
+/// The joint that carries a body.
+fn carrier(body: Body, assembly: &Assembly<'_>) -> Option<usize> {
+    body.and_then(|body| assembly.places[body].carrier)
+}
+
+/// The loop of a tendon between two sites whose length is constant, as a rod without mass; none if they are of one link.
+///
+/// # Errors
+/// [`MjcfError`] for other tendons, unknown sites, and a length that is not above zero.
+pub(super) fn rod<'a>(
+    equality: &Properties<'a>,
+    tendon: Element<'a>,
+    world: &World<'a>,
+    assembly: &Assembly<'a>,
+    positions: &[f64],
+) -> Result<Option<ClosedBodies<'a>>, MjcfError> {
+    let element = equality.element();
+    let parts: Vec<Element<'a>> = tendon.elements().collect();
+    let sites: Vec<&str> = parts.iter().filter_map(|part| part.text_of("site")).collect();
+    let (None, [first, second], 2) = (element.attribute("tendon2"), &sites[..], parts.len()) else {
+        return Err(element.unsupported(
+            "a spatial tendon keeps its length only as a rod between two sites; give the equality active=\"false\"",
+        ));
+    };
+    let ends = [site(element, first, world)?, site(element, second, world)?];
+    let [from, to] = ends.map(|(body, frame)| in_world(body, world).then(&frame).origin);
+    let [longer, ..] = equality.leading("polycoef", [0.0, 1.0, 0.0, 0.0, 0.0])?;
+    let length = norm(sub(to, from)) + longer;
+    if length <= 0.0 {
+        return Err(element.unsupported("its tendon has no length; place its two sites apart"));
+    }
+    Ok(joined(element, LoopKind::Distance { length }, ends, assembly, positions))
 }
 
 /// The frames that an equality of bodies joins, in the pose of the model.
@@ -82,12 +123,13 @@ fn site(element: Element<'_>, name: &str, world: &World<'_>) -> Result<OnBody, M
     world.site(name).ok_or_else(|| element.unknown("site", name))
 }
 
-/// Positions of the joints near which loops are closed: those of the first `<key>` where bodies are joined by their sites, otherwise
-/// those of the pose of the model, in which bodies are joined.
+/// Positions of the joints near which loops are closed: those of the first `<key>` where an equality joins sites or has a tendon,
+/// otherwise those of the pose of the model, in which bodies are joined.
 pub(super) fn closed_positions(root: Element<'_>, assembly: &Assembly<'_>) -> Vec<f64> {
     let of_model = || assembly.moving.iter().map(|moving| moving.reference).collect::<Vec<f64>>();
     let sections = root.named("equality").flat_map(|section| section.elements());
-    let by_sites = sections.into_iter().any(|element| element.text_of("site1").is_some());
+    let has_sites = |element: Element<'_>| element.text_of("site1").is_some() || element.tag() == "tendon";
+    let by_sites = sections.into_iter().any(has_sites);
     let key = root.named("keyframe").flat_map(|keyframe| keyframe.named("key")).next();
     let Some(stated) = key.and_then(|key| key.attribute("qpos")).filter(|_| by_sites) else { return of_model() };
     let mut positions = vec![0.0; assembly.joints.len()];

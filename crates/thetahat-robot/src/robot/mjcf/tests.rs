@@ -411,3 +411,26 @@ fn connected_bodies_and_sites_close_loops() {
     let undriven = text(connect, "").replace("<motor joint='a'/>", "");
     says(&mjcf_error(read(&undriven)).to_string(), &["without actuators", "[[loop]]", "active=\"false\""]);
 }
+
+/// A tendon between two sites that keeps its length is a rod; one through a third site is refused.
+#[test]
+fn a_tendon_of_constant_length_is_a_rod() {
+    let text = |through: &str, equality: &str| {
+        format!(
+            "<mujoco><worldbody><site name='base' pos='0.3 0 0.1'/><body name='bar' pos='0 0 0.5'><inertial pos='0 0 0' mass='1' \
+             diaginertia='1 1 1'/><joint name='a' axis='0 1 0'/><site name='end' pos='0.3 0 0'/></body><body name='rocker'><inertial \
+             pos='0 0 0' mass='1' diaginertia='1 1 1'/><joint name='b' axis='0 1 0'/><site name='tip' pos='0 0 0.2'/></body></worldbody>\
+             <tendon><spatial name='rod'><site site='end'/>{through}<site site='tip'/></spatial></tendon>\
+             <equality><tendon name='link' tendon1='rod' {equality}/></equality><actuator><motor joint='a'/></actuator></mujoco>"
+        )
+    };
+    let length = |equality: &str| match read(&text("", equality)).unwrap().loops[0].kind {
+        LoopKind::Distance { length } => length,
+        LoopKind::Point | LoopKind::Axis | LoopKind::Pose => 0.0,
+    };
+    let own = 0.3f64.hypot(0.3);
+    assert!((length("") - own).abs() < 1e-12);
+    assert!((length("polycoef='0.05 0 0 0 0'") - own - 0.05).abs() < 1e-12);
+    says(&mjcf_error(read(&text("<site site='base'/>", ""))).to_string(), &["between two sites", "active=\"false\""]);
+    says(&mjcf_error(read(&text("", "polycoef='-1 0 0 0 0'"))).to_string(), &["no length"]);
+}

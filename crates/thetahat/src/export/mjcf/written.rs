@@ -29,6 +29,7 @@ pub(in crate::export) fn mjcf(represented: &RepresentedRobot, header: &str, serv
     };
     roots.into_iter().for_each(|k| add_body(represented, k, 2, &mut lines));
     lines.push("  </worldbody>".to_owned());
+    lines.extend(loops::tendons(robot));
     lines.extend(equalities(robot));
     lines.extend(coupled_motors(represented));
     lines.extend(servos.map_or_else(|| loops::motors(robot), |servos| vec![servos.actuators()]));
