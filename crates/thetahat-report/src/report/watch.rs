@@ -49,7 +49,7 @@ pub fn watch_json(event: &WatchEvent) -> Result<String, ReportError> {
 /// A text after its time, with later lines below it.
 fn at(time_s: f64, text: &str, width: TextWidth) -> String {
     let lines = wrap(text, &" ".repeat(TIME), width);
-    format!("{:<TIME$}{}", format!("{time_s:.2} s"), lines.trim_start())
+    format!("{:<TIME$}{}", format!("{time_s:.2} s "), lines.trim_start())
 }
 
 fn settled_text(settled: &WatchSettled, joints: &[JointResult]) -> String {

@@ -36,7 +36,9 @@ impl WatchEvent {
 /// What was learned before watching began.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WatchSettled {
-    /// Time of the recording, s.
+    /// Time stamp of the first sample, s: all other times count from it.
+    pub first_s: f64,
+    /// Time at which watching begins, s.
     pub time_s: f64,
     /// By how much events are late at least, s: filter, neighbours of rest, step.
     pub delay_s: f64,

@@ -24,6 +24,8 @@ const LEEWAY: f64 = 1.5;
 const MARGIN: f64 = 20.0;
 /// Part of Coulomb friction that an event exceeds: less is a change of friction, whose sign turns with the motion.
 const FLOOR: f64 = 0.5;
+/// Deviations of the residual that an event exceeds: less that lasts is a change.
+const LEAST: f64 = 4.0;
 /// An event that begins so soon after the last one is a part of it, s.
 const REPEATS_S: f64 = 5.0;
 /// Step by which deviations are raised until it is.
@@ -104,7 +106,7 @@ impl Collisions {
             let error = joint.take(&step.rows[j], step.rest[j], &of_joint(baseline, j), is_frozen, self.step_s);
             is_quiet &= error.abs() < QUIET * joint.spread();
             let (log, torque, steps) = joint.largest_ratio();
-            if torque.abs() > FLOOR * joint.coulomb && largest.is_none_or(|other| other.log < log) {
+            if torque.abs() > joint.least() && largest.is_none_or(|other| other.log < log) {
                 let began_s = step.time_s - steps as f64 * self.step_s;
                 largest = Some(Bump { began_s, joint: j, torque, log });
             }
@@ -164,6 +166,11 @@ impl Joint {
             self.largest_ratio().0
         });
         ratios.fold(0.0, f64::max)
+    }
+
+    /// The least torque of an event.
+    fn least(&self) -> f64 {
+        (FLOOR * self.coulomb).max(LEAST * self.spread())
     }
 
     /// Deviation of the residual itself.

@@ -51,8 +51,8 @@ pub(super) struct Drift {
     /// The changes from the identified model that are taken for no news, and their precision.
     baseline: Vec<f64>,
     precision: Matrix,
-    /// The baseline when watching began, and its deviations.
-    first: (Vec<f64>, Vec<f64>),
+    /// The baseline when watching began, and its covariance.
+    first: (Vec<f64>, Matrix),
     noise: Vec<Option<BlockNoise>>,
     whitening: Whitening,
     causes: Vec<Cause>,
@@ -77,7 +77,7 @@ struct Tick {
 
 /// A change that is said.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Found {
+pub(super) struct FoundChange {
     pub(super) began_s: f64,
     pub(super) cause: Cause,
     pub(super) rivals: Vec<Cause>,
@@ -88,9 +88,8 @@ impl Drift {
     pub(super) fn new(settled: Settled, prior: Vec<f64>, blocks_per_tick: usize, threshold: f64) -> Self {
         let Settled { baseline, precision, noise } = settled;
         let joints = noise.len();
-        let deviations = deviations(&precision);
         Self {
-            first: (baseline.clone(), deviations),
+            first: (baseline.clone(), inverse(&precision)),
             baseline,
             precision,
             whitening: Whitening::new(joints),
@@ -110,8 +109,8 @@ impl Drift {
         &self.baseline
     }
 
-    /// The changes from the identified model when watching began, with their deviations.
-    pub(super) fn first(&self) -> (&[f64], &[f64]) {
+    /// The changes from the identified model when watching began, with their covariance.
+    pub(super) fn first(&self) -> (&[f64], &Matrix) {
         (&self.first.0, &self.first.1)
     }
 
@@ -125,7 +124,8 @@ impl Drift {
             .unwrap_or_else(|| (vec![0.0; self.baseline.len()], self.precision.clone()));
         let (first, of_first) = &self.first;
         let all = self.baseline.iter().zip(&since).zip(first).map(|((a, b), c)| a + b - c).collect();
-        (all, deviations(&precision).iter().zip(of_first).map(|(a, b)| a.hypot(*b)).collect())
+        let covariance = inverse(&precision).plus(of_first, 1.0);
+        (all, (0..covariance.columns()).map(|i| covariance.at(i, i).max(0.0).sqrt()).collect())
     }
 
     /// Leaves the last seconds out, as after a gap or while an event disturbs.
@@ -141,7 +141,7 @@ impl Drift {
     }
 
     /// Takes a block; a change that it shows.
-    pub(super) fn push(&mut self, block: &Step) -> Option<Found> {
+    pub(super) fn push(&mut self, block: &Step) -> Option<FoundChange> {
         for (j, noise) in self.noise.iter().enumerate() {
             let Some(noise) = noise else { continue };
             let Some(mut row) = self.whitening.push(j, block, noise.correlation) else { continue };
@@ -174,7 +174,7 @@ impl Drift {
     }
 
     /// The cause with the largest ratio of all beginnings, if that is large enough.
-    fn test(&self) -> Option<Found> {
+    fn test(&self) -> Option<FoundChange> {
         let joints = self.noise.len();
         let mut largest: Vec<Option<(Ratio, usize)>> = vec![None; self.causes.len()];
         let mut sums = Sums::zeros(joints);
@@ -198,11 +198,11 @@ impl Drift {
         let (cause, ratio, count) = found.first().filter(|(_, ratio, _)| ratio.log > self.threshold)?.clone();
         let rivals = found[1..].iter().filter(|other| other.1.log > ratio.log - BETTER).map(|other| other.0);
         let began_s = self.ticks.get(self.ticks.len() - count).map_or(0.0, |tick| tick.began_s);
-        Some(Found { began_s, cause, rivals: rivals.collect(), ratio })
+        Some(FoundChange { began_s, cause, rivals: rivals.collect(), ratio })
     }
 
     /// Takes a change into the baseline, by the seconds since it began.
-    fn take(&mut self, found: &Found) {
+    fn take(&mut self, found: &FoundChange) {
         let joints = self.noise.len();
         let count = self.ticks.iter().filter(|tick| tick.began_s >= found.began_s).count();
         let mut covariance = self.precision.inverse();
@@ -241,8 +241,7 @@ impl Drift {
     }
 }
 
-fn deviations(precision: &Matrix) -> Vec<f64> {
+fn inverse(precision: &Matrix) -> Matrix {
     let size = precision.columns();
-    let covariance = precision.inverse().unwrap_or_else(|| Matrix::zeros(size, size));
-    (0..size).map(|i| covariance.at(i, i).max(0.0).sqrt()).collect()
+    precision.inverse().unwrap_or_else(|| Matrix::zeros(size, size))
 }

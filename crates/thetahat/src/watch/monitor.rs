@@ -8,12 +8,12 @@ use std::{
 
 use super::{
     collision::{Bump, Collisions},
-    drift::{Cause, Drift, Found},
+    drift::{Cause, Drift, FoundChange},
     error::WatchError,
     samples::Sample,
     settling::Settled,
     step::{Mean, NearRest, Step},
-    subject::{PAYLOAD, Row, Scratch, WatchedRobot},
+    subject::{Friction, PAYLOAD, Row, Scratch, WatchedRobot},
 };
 use thetahat_estimation::{signal::CausalBandPass, statistics::t_quantile};
 use thetahat_model::robot::JointKind;
@@ -45,8 +45,10 @@ const BASELINE: f64 = 1.0;
 const MISSED: f64 = 0.05;
 /// Degrees of freedom of a normal distribution.
 const NORMAL: f64 = 1e6;
-/// Probability that any friction is said to be another at the start without being so.
+/// Deviations by which a joint's friction at its rms speed is another at the start.
 const START_DEVIATIONS: f64 = 4.5;
+/// Part of the friction by which it is another: less is the model's error.
+const START_PART: f64 = 0.1;
 
 /// How a robot is watched.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,10 +107,12 @@ struct Input {
     /// Times and torques of the samples that the filter is late by.
     waiting: VecDeque<(f64, Vec<f64>)>,
     last: Option<(f64, Vec<f64>)>,
+    /// Time stamp of the first sample, s.
+    first_s: Option<f64>,
     /// Turns added to each angle.
     turns: Vec<f64>,
     is_angle: Vec<bool>,
-    rest_velocity: f64,
+    rest_velocity: Vec<f64>,
     scratch: Scratch,
     rows: Vec<Row>,
     motion: [Vec<f64>; 3],
@@ -170,9 +174,10 @@ impl Watch {
             filter: robot.filter(sample_rate_hz)?,
             waiting: VecDeque::new(),
             last: None,
+            first_s: None,
             turns: vec![0.0; count],
             is_angle: joints.iter().map(|joint| joint.kind == JointKind::Revolute).collect(),
-            rest_velocity: robot.rest_velocity(),
+            rest_velocity: robot.rest_velocity().to_vec(),
             scratch: robot.scratch(),
             rows: vec![Row::default(); count],
             motion: [vec![0.0; count], vec![0.0; count], vec![0.0; count]],
@@ -206,7 +211,9 @@ impl Watch {
     /// # Errors
     /// [`WatchError::NoMotion`] at the end of settling.
     pub fn push(&mut self, sample: &Sample) -> Result<Vec<WatchEvent>, WatchError> {
-        self.counts.time_s = sample.time_s;
+        if sample.time_s.is_finite() {
+            self.counts.time_s = sample.time_s - *self.input.first_s.get_or_insert(sample.time_s);
+        }
         match self.input.take(&self.robot, sample) {
             Taken::Step(step) => self.step(&step),
             Taken::Nothing => Ok(Vec::new()),
@@ -294,13 +301,14 @@ impl Watch {
         let tests = per_alarm * Cause::all(self.joints.len()).len() as f64 / TICK_S;
         let drift = Drift::new(settled, prior, self.blocks_per_tick, tests.ln());
         let mut events = vec![WatchEvent::Settled(WatchSettled {
+            first_s: self.input.first_s.unwrap_or(0.0),
             time_s: self.counts.time_s,
             delay_s: self.delay_s(),
             deviation: collisions.deviations(),
             inflation: drift.noise().iter().map(|noise| noise.map(|noise| noise.inflation)).collect(),
             alarms_per_hour: self.options.alarms_per_hour,
         })];
-        events.extend(self.starts(&drift).into_iter().map(WatchEvent::Start));
+        events.extend(self.starts(&drift, &blocks).into_iter().map(WatchEvent::Start));
         self.counts.drifts += events.len() - 1;
         self.stage = Stage::Watching(Box::new(Tests { collisions, drift }));
         Ok(events)
@@ -326,27 +334,32 @@ impl Watch {
         prior
     }
 
-    /// Friction that is another at the start than the identified one.
-    fn starts(&self, drift: &Drift) -> Vec<WatchDrift> {
-        let (baseline, deviations) = drift.first();
+    /// Friction that is another at the start than the identified one, at the rms of each joint's speed.
+    fn starts(&self, drift: &Drift, blocks: &[Step]) -> Vec<WatchDrift> {
+        let (baseline, covariance) = drift.first();
         let mut starts = Vec::new();
         for j in (0..self.joints.len()).filter(|&j| drift.noise()[j].is_some()) {
-            let friction = self.robot.friction(j);
-            let of = |p: usize, identified: Option<[f64; 2]>| {
-                deviations[p].hypot(identified.map_or(f64::INFINITY, |[_, deviation]| deviation))
+            let Friction { viscous: Some([fv, of_fv]), coulomb: Some([fc, of_fc]) } = self.robot.friction(j) else {
+                continue;
             };
+            let moving = blocks.iter().filter(|block| !block.rest[j]).map(|block| block.rows[j].x[0].powi(2));
+            let [squares, count] = moving.fold([0.0, 1e-9], |[sum, n], square| [sum + square, n + 1.0]);
+            let speed = (squares / count).sqrt();
             let places = Cause::Friction(j).parameters(self.joints.len());
-            let deviations = [of(places[0], friction.viscous), of(places[1], friction.coulomb)];
-            let changes = [baseline[places[0]], baseline[places[1]]];
-            let largest = changes.iter().zip(&deviations).map(|(c, d)| (c / d).abs()).fold(0.0, f64::max);
-            if largest > START_DEVIATIONS {
+            let [v, c] = [places[0], places[1]];
+            let variance = speed * speed * (covariance.at(v, v) + of_fv * of_fv) + covariance.at(c, c) + of_fc * of_fc;
+            let deviation = (variance + 2.0 * speed * covariance.at(v, c)).max(0.0).sqrt();
+            let torque = (speed * baseline[v] + baseline[c]).abs();
+            if torque > START_DEVIATIONS * deviation && torque > START_PART * (speed * fv + fc).abs() {
+                let deviations = [covariance.at(v, v), covariance.at(c, c)].map(f64::sqrt);
+                let deviations = [deviations[0].hypot(of_fv), deviations[1].hypot(of_fc)];
                 starts.push(WatchDrift {
                     time_s: self.counts.time_s,
                     began_s: 0.0,
                     cause: self.words(Cause::Friction(j)),
                     rivals: Vec::new(),
-                    changes: self.changes(&places, &changes, &deviations, places.len()),
-                    evidence: 0.5 * largest.powi(2),
+                    changes: self.changes(&places, &[baseline[v], baseline[c]], &deviations, places.len()),
+                    evidence: 0.5 * (torque / deviation).powi(2),
                 });
             }
         }
@@ -365,7 +378,7 @@ impl Watch {
         }
     }
 
-    fn of_drift(&self, found: &Found) -> WatchDrift {
+    fn of_drift(&self, found: &FoundChange) -> WatchDrift {
         let places = found.cause.parameters(self.joints.len());
         WatchDrift {
             time_s: self.counts.time_s,
@@ -487,7 +500,7 @@ impl Input {
         }
         let position = self.unwrapped(&sample.position);
         self.last = Some((sample.time_s, sample.position.clone()));
-        self.waiting.push_back((sample.time_s, sample.torque.clone()));
+        self.waiting.push_back((sample.time_s - self.first_s.unwrap_or(0.0), sample.torque.clone()));
         let [q, dq, ddq] = &mut self.motion;
         if !self.filter.push(&position, [q, dq, ddq]) {
             if self.waiting.len() > self.filter.delay_samples() {
@@ -497,8 +510,8 @@ impl Input {
         }
         let Some((time_s, torque)) = self.waiting.pop_front() else { return Taken::Nothing };
         robot.rows([&self.motion[0], &self.motion[1], &self.motion[2]], &torque, &mut self.scratch, &mut self.rows);
-        let (dq, limit) = (&self.motion[1], self.rest_velocity);
-        let step = self.mean.push(time_s, &self.rows, |j| dq[j].abs() < limit);
+        let (dq, limits) = (&self.motion[1], &self.rest_velocity);
+        let step = self.mean.push(time_s, &self.rows, |j| dq[j].abs() < limits[j]);
         step.and_then(|step| self.near.push(step)).map_or(Taken::Nothing, Taken::Step)
     }
 

@@ -12,7 +12,7 @@ use thetahat_model::{
     dynamics::{Model, Sign, State, Workspace},
     regressor::Regressor,
 };
-use thetahat_report::results::{JointResult, Verdict, VerdictReason};
+use thetahat_report::results::{JointResult, Results, Verdict, VerdictReason};
 
 /// Scales of the friction's transition at which its sign is known: `tanh(4) = 0.9993`.
 const SCALES: f64 = 4.0;
@@ -32,7 +32,7 @@ pub struct WatchedRobot {
     /// Parameters of the regressor's first columns; the payload's follow.
     theta: Vec<f64>,
     sign: Sign,
-    transition: f64,
+    rest_velocity: Vec<f64>,
 }
 
 /// Torques of an instant, joint by joint.
@@ -61,7 +61,8 @@ impl WatchedRobot {
     /// # Errors
     /// [`WatchError`] for results that cannot be used, and for a base that floats or torque terms that need recorded channels.
     pub fn read(path: &Path, request: &EstimateRequest) -> Result<Self, WatchError> {
-        let identified = IdentifiedRobot::read(path, request)?;
+        let results = Results::read(path).map_err(ExperimentError::from)?;
+        let identified = IdentifiedRobot::of_results(path, &results, request)?;
         if identified.experiment().is_none() {
             return Err(ExperimentError::OfArrays { path: path.to_owned() }.into());
         }
@@ -73,10 +74,10 @@ impl WatchedRobot {
         if !model.channels().is_empty() {
             return Err(not_watched("recorded channels"));
         }
-        Ok(Self::of(identified, model))
+        Ok(Self::of(identified, model, &results))
     }
 
-    fn of(identified: IdentifiedRobot, model: Model) -> Self {
+    fn of(identified: IdentifiedRobot, model: Model, results: &Results) -> Self {
         let table = model.parameter_table();
         let base = identified.base.parameters().iter().map(|parameter| parameter.kept).zip(identified.estimates());
         let fixed = &identified.settings.parameters.fix;
@@ -90,7 +91,8 @@ impl WatchedRobot {
         };
         let sign = identified.model.as_ref().map_or(Sign::Exact, |_| Sign::Smooth { scale: transition });
         let regressor = Regressor::new(&model, &columns);
-        Self { identified, model, regressor, theta, sign, transition }
+        let rest_velocity = rest_velocity(results, SCALES * transition, model.coordinate_count());
+        Self { identified, model, regressor, theta, sign, rest_velocity }
     }
 
     /// Number of its coordinates.
@@ -127,9 +129,9 @@ impl WatchedRobot {
         self.identified.files.first().map_or(Path::new("results"), std::path::PathBuf::as_path)
     }
 
-    /// Velocity of a joint below which the sign of its friction is not known, rad/s or m/s.
-    pub(super) fn rest_velocity(&self) -> f64 {
-        SCALES * self.transition
+    /// Velocity of each joint below which the sign of its friction is not known, rad/s or m/s.
+    pub(super) fn rest_velocity(&self) -> &[f64] {
+        &self.rest_velocity
     }
 
     /// The cut-off of the positions, Hz: that of the identification; with the smoother, which finds its own, the band of the rows.
@@ -178,6 +180,14 @@ impl WatchedRobot {
             }
         }
     }
+}
+
+/// The largest limit of the identification's recordings, which knows the noise of velocities, and of the friction's transition.
+fn rest_velocity(results: &Results, of_friction: f64, joints: usize) -> Vec<f64> {
+    let of_recordings = results.recordings.iter().filter_map(|recording| recording.near_rest.as_ref());
+    let of_recordings: Vec<&Vec<f64>> = of_recordings.map(|rest| &rest.velocity).collect();
+    let limit = |j: usize| of_recordings.iter().filter_map(|limits| limits.get(j)).copied().fold(of_friction, f64::max);
+    (0..joints).map(limit).collect()
 }
 
 /// Memory of [`WatchedRobot::rows`].
