@@ -89,7 +89,10 @@ impl Collisions {
     /// Forgets the last steps, as after a gap.
     pub(super) fn restart(&mut self) {
         self.event = None;
-        self.joints.iter_mut().flatten().for_each(|joint| joint.added.clear());
+        for joint in self.joints.iter_mut().flatten() {
+            joint.added.clear();
+            joint.before = 0.0;
+        }
     }
 
     /// Whether an event disturbs what lasts.

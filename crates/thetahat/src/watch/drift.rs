@@ -6,7 +6,7 @@ use super::{
     likelihood::{Ratio, Sums, Unexplained, of_joint, place, posterior},
     settling::{BlockNoise, Settled, Whitening},
     step::Step,
-    subject::CHANGES,
+    subject::{CHANGES, PAYLOAD},
 };
 use thetahat_ground::linear_algebra::Matrix;
 
@@ -14,6 +14,8 @@ use thetahat_ground::linear_algebra::Matrix;
 const LENGTHS: [usize; 15] = [2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256];
 /// The ratio over others by which a cause explains better: twenty to one.
 const BETTER: f64 = 3.0;
+/// Part of the prior deviation that a payload's mass keeps where the motion does not show it.
+const UNKNOWN: f64 = 0.5;
 /// What earlier seconds count for in the baseline, each time that as many as a ratio looks back have passed.
 const FORGOTTEN: f64 = 0.5;
 
@@ -41,6 +43,20 @@ impl Cause {
             Self::Friction(j) => vec![place(joints, j, 0), place(joints, j, 1)],
             Self::Offset(j) => vec![place(joints, j, 2)],
             Self::Payload => (3..CHANGES).map(|change| place(joints, 0, change)).collect(),
+        }
+    }
+}
+
+impl Cause {
+    /// Whether the changes can be of the cause: a payload whose mass is known has one, by two deviations.
+    fn is_possible(self, ratio: &Ratio, prior: &[f64]) -> bool {
+        match self {
+            Self::Friction(_) | Self::Offset(_) => true,
+            Self::Payload => {
+                let (mass, deviation) = (ratio.changes[0], ratio.deviations[0]);
+                let prior = prior[prior.len() - PAYLOAD.len()];
+                mass.abs() > 2.0 * deviation || deviation > UNKNOWN * prior
+            }
         }
     }
 }
@@ -186,6 +202,7 @@ impl Drift {
             let Some(unexplained) = Unexplained::of(&self.precision, &sums) else { continue };
             for (cause, largest) in self.causes.iter().zip(&mut largest) {
                 let ratio = unexplained.ratio(&cause.parameters(joints), &self.prior);
+                let ratio = ratio.filter(|ratio| cause.is_possible(ratio, &self.prior));
                 let ratio = ratio.filter(|ratio| largest.as_ref().is_none_or(|(other, _)| other.log < ratio.log));
                 *largest = ratio.map(|ratio| (ratio, count)).or(largest.take());
             }
