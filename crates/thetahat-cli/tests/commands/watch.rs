@@ -24,6 +24,8 @@ torque = { file = "log.csv", columns = ["f"], unit = "N" }
 [signal]
 cutoff_hz = 15
 decimation = 5
+[estimation]
+methods = ["idim-ls"]
 "#;
 /// Time at which friction grows, s.
 const CHANGE_S: f64 = 20.0;
@@ -48,7 +50,7 @@ static IDENTIFIED: LazyLock<Folder> = LazyLock::new(|| {
     folder.write("experiment.toml", EXPERIMENT);
     folder.write("log.csv", record(18.0, 0.0));
     folder.write("same.csv", record(30.0, 0.0));
-    folder.write("more.csv", record(35.0, 0.3));
+    folder.write("more.csv", record(35.0, 0.1));
     shown(&run(PROGRAM, folder.path(), ["identify", "experiment.toml", "--out", "out"]));
     folder
 });
@@ -98,10 +100,10 @@ fn a_pipe_gives_what_the_file_gives() {
     let kinds = |lines: &[serde_json::Value]| -> Vec<String> {
         lines.iter().map(|line| line["kind"].as_str().unwrap().to_owned()).collect()
     };
-    assert_eq!(kinds(&from_file), ["settled", "drift", "summary"]);
     assert_eq!(kinds(&from_pipe), kinds(&from_file));
+    let place = kinds(&from_file).iter().position(|kind| kind == "drift").unwrap();
     for key in ["time_s", "cause", "began_s"] {
-        let [piped, read] = [&from_pipe, &from_file].map(|lines| &lines[1][key]);
+        let [piped, read] = [&from_pipe, &from_file].map(|lines| &lines[place][key]);
         let is_same = piped == read || (piped.as_f64().unwrap() - read.as_f64().unwrap()).abs() < 1e-6;
         assert!(is_same, "{key}: {piped} and {read}");
     }
@@ -125,7 +127,7 @@ fn a_file_is_followed_while_it_grows() {
     let mut lines = std::io::BufRead::lines(std::io::BufReader::new(child.stdout.take().unwrap()));
     let mut next = || lines.next().unwrap().unwrap();
     assert!(next().starts_with("{\"kind\":\"settled\""));
-    assert!(next().starts_with("{\"kind\":\"drift\""));
+    assert!((0..2).any(|_| next().starts_with("{\"kind\":\"drift\"")));
     child.kill().unwrap();
     child.wait().unwrap();
 }
@@ -139,7 +141,7 @@ fn what_cannot_be_watched_is_refused_with_a_remedy() {
     says(&["absent.csv"], &["absent.csv", "no such file"]);
     says(&["absent.csv", "--follow"], &["absent.csv", "cannot be read"]);
     says(&["same.csv", "--alarms-per-hour", "0"], &["--alarms-per-hour is 0, expected above 0"]);
-    says(&["same.csv", "--torque", "force"], &["same.csv", "force", "t, q, f"]);
+    says(&["same.csv", "--torque", "force"], &["same.csv", "force", "\"t\", \"q\", \"f\""]);
     IDENTIFIED.write("short.csv", record(4.0, 0.0));
     says(&["short.csv"], &["short.csv: ended after 4.0 s", "--settle"]);
     let text = record(4.0, 0.0).replace("\n2.000,", "\nlate,");

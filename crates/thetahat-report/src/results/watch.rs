@@ -60,7 +60,7 @@ pub struct WatchCollision {
     pub began_s: f64,
     /// The joint that shows it most, from one.
     pub joint: usize,
-    /// Its residual, N m or N.
+    /// Its residual until then, N m or N.
     pub torque: f64,
     /// Unit of the residual.
     pub unit: String,

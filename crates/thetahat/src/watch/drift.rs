@@ -67,6 +67,8 @@ pub(super) struct Drift {
     /// The changes from the identified model that are taken for no news, and their precision.
     baseline: Vec<f64>,
     precision: Matrix,
+    /// The changes by the baseline and the seconds since.
+    running: Vec<f64>,
     /// The baseline when watching began, and its covariance.
     first: (Vec<f64>, Matrix),
     noise: Vec<Option<BlockNoise>>,
@@ -83,6 +85,8 @@ pub(super) struct Drift {
     /// The last second, which counts when no event began in it.
     last: Option<Tick>,
     ticks: VecDeque<Tick>,
+    /// Whether the threshold was passed a second ago.
+    waits: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -106,6 +110,7 @@ impl Drift {
         let joints = noise.len();
         Self {
             first: (baseline.clone(), inverse(&precision)),
+            running: baseline.clone(),
             baseline,
             precision,
             whitening: Whitening::new(joints),
@@ -118,11 +123,13 @@ impl Drift {
             blocks: 0,
             last: None,
             ticks: VecDeque::new(),
+            waits: false,
         }
     }
 
-    pub(super) fn baseline(&self) -> &[f64] {
-        &self.baseline
+    /// The changes from the identified model by all seconds until now.
+    pub(super) fn running(&self) -> &[f64] {
+        &self.running
     }
 
     /// The changes from the identified model when watching began, with their covariance.
@@ -179,6 +186,10 @@ impl Drift {
             Some(found) => self.take(found),
             None => self.forget(),
         }
+        self.running.clone_from(&self.baseline);
+        if let Some((since, _)) = posterior(&self.precision, &self.sums_of(self.ticks.len())) {
+            self.running.iter_mut().zip(&since).for_each(|(all, change)| *all += change);
+        }
         found
     }
 
@@ -189,11 +200,39 @@ impl Drift {
         sums
     }
 
-    /// The cause with the largest ratio of all beginnings, if that is large enough.
-    fn test(&self) -> Option<FoundChange> {
-        let joints = self.noise.len();
-        let mut largest: Vec<Option<(Ratio, usize)>> = vec![None; self.causes.len()];
-        let mut sums = Sums::zeros(joints);
+    /// A change, one second after its ratio passed the threshold: from the seconds after the one that holds its instant.
+    fn test(&mut self) -> Option<FoundChange> {
+        let largest = self.largest_ratios();
+        let (_, ratio, count) = largest.first()?;
+        let is_large = ratio.log > self.threshold;
+        let was_large = self.waits;
+        self.waits = is_large && !was_large;
+        if !(is_large && was_large) {
+            return None;
+        }
+        let after = count - 1;
+        let unexplained = Unexplained::of(&self.precision, &self.sums_of(after))?;
+        let mut found: Vec<(Cause, Ratio)> = Vec::new();
+        for cause in &self.causes {
+            found.extend(self.ratio(&unexplained, *cause).map(|ratio| (*cause, ratio)));
+        }
+        found.sort_by(|a, b| b.1.log.total_cmp(&a.1.log));
+        let (cause, ratio) = found.first()?.clone();
+        let rivals = found[1..].iter().filter(|other| other.1.log > ratio.log - BETTER).map(|other| other.0);
+        let began_s = self.ticks.get(self.ticks.len() - after).map_or(0.0, |tick| tick.began_s);
+        Some(FoundChange { began_s, cause, rivals: rivals.collect(), ratio })
+    }
+
+    /// The ratio of a cause, if the changes can be of it.
+    fn ratio(&self, unexplained: &Unexplained, cause: Cause) -> Option<Ratio> {
+        let ratio = unexplained.ratio(&cause.parameters(self.noise.len()), &self.prior);
+        ratio.filter(|ratio| cause.is_possible(ratio, &self.prior))
+    }
+
+    /// The largest ratio of each cause over all beginnings, with its seconds; the largest first.
+    fn largest_ratios(&self) -> Vec<(Cause, Ratio, usize)> {
+        let mut largest: Vec<Option<(Cause, Ratio, usize)>> = vec![None; self.causes.len()];
+        let mut sums = Sums::zeros(self.noise.len());
         for (count, tick) in (1..).zip(self.ticks.iter().rev()) {
             sums.add(&tick.sums);
             if !LENGTHS.contains(&count) {
@@ -201,21 +240,14 @@ impl Drift {
             }
             let Some(unexplained) = Unexplained::of(&self.precision, &sums) else { continue };
             for (cause, largest) in self.causes.iter().zip(&mut largest) {
-                let ratio = unexplained.ratio(&cause.parameters(joints), &self.prior);
-                let ratio = ratio.filter(|ratio| cause.is_possible(ratio, &self.prior));
-                let ratio = ratio.filter(|ratio| largest.as_ref().is_none_or(|(other, _)| other.log < ratio.log));
-                *largest = ratio.map(|ratio| (ratio, count)).or(largest.take());
+                let ratio = self.ratio(&unexplained, *cause);
+                let ratio = ratio.filter(|ratio| largest.as_ref().is_none_or(|(_, other, _)| other.log < ratio.log));
+                *largest = ratio.map(|ratio| (*cause, ratio, count)).or(largest.take());
             }
         }
-        let mut found: Vec<(Cause, Ratio, usize)> = Vec::new();
-        for (cause, largest) in self.causes.iter().zip(largest) {
-            found.extend(largest.map(|(ratio, count)| (*cause, ratio, count)));
-        }
-        found.sort_by(|a, b| b.1.log.total_cmp(&a.1.log));
-        let (cause, ratio, count) = found.first().filter(|(_, ratio, _)| ratio.log > self.threshold)?.clone();
-        let rivals = found[1..].iter().filter(|other| other.1.log > ratio.log - BETTER).map(|other| other.0);
-        let began_s = self.ticks.get(self.ticks.len() - count).map_or(0.0, |tick| tick.began_s);
-        Some(FoundChange { began_s, cause, rivals: rivals.collect(), ratio })
+        let mut largest: Vec<_> = largest.into_iter().flatten().collect();
+        largest.sort_by(|a, b| b.1.log.total_cmp(&a.1.log));
+        largest
     }
 
     /// Takes a change into the baseline, by the seconds since it began.

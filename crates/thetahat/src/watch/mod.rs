@@ -3,7 +3,8 @@
 //! Positions pass the identification's filter with a fixed delay, and the residual is the measured torque of that instant less the
 //! model's. The first seconds show its noise and its mean. From then on ratios of likelihoods between "changed at an instant" and "not
 //! changed" are formed for every instant and cause, with the size of the change integrated over a Gaussian prior. Their largest value is a
-//! CUSUM; under no change the mean of each ratio is one, so that the mean time to a false alarm is at least the threshold, in steps.
+//! CUSUM; under no change the mean of each ratio is one, so that the mean time to a false alarm is at least the threshold, in steps. A change
+//! is said a second after its ratio passed the threshold, with estimates from the seconds after the one in which it began.
 //!
 //! | file | what it does |
 //! | --- | --- |

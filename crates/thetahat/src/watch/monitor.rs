@@ -255,7 +255,7 @@ impl Watch {
                 let Tests { collisions, drift } = tests.as_mut();
                 self.counts.watched_s += self.step_s;
                 self.sums.add(step);
-                let bump = collisions.push(step, drift.baseline());
+                let bump = collisions.push(step, drift.running());
                 if collisions.disturbs() {
                     drift.leave_out();
                     self.block.restart();
