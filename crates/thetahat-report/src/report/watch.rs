@@ -107,16 +107,12 @@ fn signed(value: f64) -> String {
 }
 
 fn residual_text(residual: &WatchResidual, joints: &[JointResult]) -> String {
-    let of = |(((joint, number), rms), percent): (((&JointResult, usize), &Option<f64>), &Option<f64>)| {
-        let (rms, percent) = (rms.as_ref()?, percent.as_ref()?);
-        Some(format!(
-            "{} {} {} ({percent:.1} %)",
-            visible(&joint.label(number)),
-            significant(*rms, 2),
-            joint.torque_unit
-        ))
+    let of = |(j, joint): (usize, &JointResult)| {
+        let (rms, percent) = (residual.rms[j]?, residual.percent[j]?);
+        let label = joint.label(j + 1);
+        Some(format!("{} {} {} ({percent:.1} %)", visible(&label), significant(rms, 2), joint.torque_unit))
     };
-    let all: Vec<String> = joints.iter().zip(1..).zip(&residual.rms).zip(&residual.percent).filter_map(of).collect();
+    let all: Vec<String> = joints.iter().enumerate().filter_map(of).collect();
     format!("residual: {}", if all.is_empty() { "no joint moved".to_owned() } else { all.join(", ") })
 }
 
