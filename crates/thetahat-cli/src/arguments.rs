@@ -52,6 +52,12 @@ pub enum Command {
     Sample(Sample),
     /// Predict the torques of another motion with identified parameters.
     Predict(Predict),
+    /// Watch a robot at work: torque residual, collision-like events, changes of friction and payload.
+    ///
+    /// Its first seconds show the noise and mean of the residual, and are taken for a robot without change. Then each event is a line.
+    ///
+    /// Exit codes: 0 nothing found; 1 something found; 2 error.
+    Watch(Watch),
     /// Run a Monte Carlo campaign on a simulated robot and compare the methods.
     ///
     /// Runs that are already in the folder are not repeated: an interrupted campaign continues.
@@ -573,6 +579,46 @@ pub struct Predict {
     pub out: Option<PathBuf>,
     #[command(flatten)]
     pub force: Force,
+}
+
+#[derive(Args)]
+pub struct Watch {
+    /// The results.json of an identification, or its folder
+    #[arg(value_name = "RESULTS")]
+    pub results: PathBuf,
+    /// The recording, with the channels of the experiment; - reads text from stdin
+    #[arg(long, value_name = "FILE|-")]
+    pub recording: PathBuf,
+    /// Go on where a text file ends: wait for what is written to it, until interrupted
+    #[arg(long)]
+    pub follow: bool,
+    /// Columns of the positions, if their names differ from the experiment
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub position: Vec<String>,
+    /// Columns of the torques, if their names differ from the experiment
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub torque: Vec<String>,
+    /// The time column, if its name differs from the experiment
+    #[arg(long, value_name = "NAME")]
+    pub time: Option<String>,
+    /// Time in which the residual's noise and mean are learned, s
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0)]
+    pub settle: f64,
+    /// False alarms per hour: half for collisions, half for changes
+    #[arg(long, value_name = "RATE", default_value_t = 0.01)]
+    pub alarms_per_hour: f64,
+    /// Print the residual of each joint every so many seconds
+    #[arg(long, value_name = "SECONDS")]
+    pub every: Option<f64>,
+    /// Print one JSON object per line
+    #[arg(long)]
+    pub json: bool,
+    /// The case whose parameters are used
+    #[arg(long, default_value = "nominal")]
+    pub case: String,
+    /// The method whose parameters are used [default: the model]
+    #[arg(long, value_parser = method())]
+    pub method: Option<Method>,
 }
 
 /// The formats of exports by their names.

@@ -26,6 +26,7 @@ use crate::{
     proposal, reduction, remedied, shell,
     shown::{Remark, show},
     terminal::{Ending, print, width},
+    watch,
 };
 
 pub fn run(arguments: Arguments) -> Result<Ending, Box<dyn Error>> {
@@ -39,6 +40,7 @@ pub fn run(arguments: Arguments) -> Result<Ending, Box<dyn Error>> {
         Command::Export(request) => export::export_robot(&request),
         Command::Sample(request) => export::sample_robots(&request),
         Command::Predict(request) => predict_torques(&request),
+        Command::Watch(request) => watch::run(&request),
         Command::Campaign(request) => campaign::run(&request),
         Command::Sensitivity(sensitivity) => sweep_errors(&sensitivity),
         Command::Reduce(request) => reduction::reduce(&request),
@@ -127,7 +129,7 @@ fn compare_with_prediction(request: &Compare, predicted: &Path) -> Result<Ending
 }
 
 /// The `results.json` of a folder, or the file itself.
-fn results_file(path: &Path) -> PathBuf {
+pub fn results_file(path: &Path) -> PathBuf {
     if path.is_dir() { path.join("results.json") } else { path.to_owned() }
 }
 

@@ -15,13 +15,14 @@ mod remedies;
 mod shell;
 mod shown;
 mod terminal;
+mod watch;
 
 use std::{borrow::Cow, ffi::OsString};
 
 use clap::Parser;
 use thetahat_ground::visible::visible_lines;
 
-/// Finished, but the verdict is do-not-use.
+/// Finished, but the verdict is do-not-use, or an alarm was raised.
 const NOT_TRUSTED: u8 = 1;
 /// Stopped by an error.
 const ERROR: u8 = 2;

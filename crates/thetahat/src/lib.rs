@@ -226,6 +226,9 @@ pub mod design;
 #[cfg(feature = "export")]
 pub mod export;
 
+#[doc(hidden)]
+pub mod watch;
+
 mod error;
 
 pub use error::Error;

@@ -15,4 +15,5 @@ mod safe_files;
 mod shell;
 mod terminal;
 mod tutorial;
+mod watch;
 mod your_own_robot;

@@ -13,6 +13,7 @@
 //! | `format`, `reader`, `conversion` | the formats, the reader of each, and what another program has to convert |
 //! | `csv`, `npy` with `npy_header`, `npz`, `mat`, `parquet`, `bag` | the readers |
 //! | `pieces` | signals of files larger than memory, piece by piece |
+//! | `stream` | signals of a text that grows |
 //! | `layout` | channels interleaved, or one in each row |
 //! | `table`, `select` | the columns that readers return, and the selection from them |
 //! | `split_time` | times in two columns, seconds and nanoseconds |
@@ -63,6 +64,7 @@ mod reader;
 mod select;
 mod source;
 mod split_time;
+mod stream;
 mod stretches;
 mod table;
 mod unit;
@@ -84,4 +86,6 @@ pub use inspect::{
 };
 pub use pieces::SignalPieces;
 pub use source::{ChannelSource, Side, read_channels, read_channels_with_missing_values};
+#[doc(hidden)]
+pub use stream::SignalStream;
 pub use unit::{Dimension, Unit, UnknownUnit};

@@ -23,6 +23,7 @@
 
 mod band_pass;
 mod bandwidth;
+mod causal;
 mod decimate;
 mod delay;
 mod design;
@@ -45,6 +46,8 @@ mod zero_phase;
 pub use band_pass::velocity_noise_per_density;
 pub use band_pass::{Motion, band_pass};
 pub use bandwidth::minus_3_db_bandwidth_hz;
+#[doc(hidden)]
+pub use causal::CausalBandPass;
 pub use decimate::{Decimator, Joiner};
 pub use delay::delayed;
 pub use design::SecondOrderSections;

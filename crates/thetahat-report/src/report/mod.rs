@@ -42,6 +42,7 @@ mod tables;
 pub mod text;
 mod units;
 mod verdict;
+mod watch;
 mod wrap;
 
 pub use campaign::{CAMPAIGN_PAGE, campaign_text, write_campaign};
@@ -63,4 +64,5 @@ pub use text::card::{card_text, headline};
 pub use text::contents::contents_text;
 pub use text::model_text::model_text;
 pub use text::remedies::{change_text, remedies_text};
+pub use watch::{watch_head, watch_json, watch_text};
 pub use wrap::TextWidth;

@@ -56,6 +56,7 @@ mod terms;
 mod twin;
 mod user_run;
 mod verdict;
+mod watch;
 
 pub use campaign::{CampaignResults, Extent, MethodSummary, ParameterSummary, PublishedStatement, Quantiles};
 pub use card::{Card, Physical, Unseen};
@@ -103,6 +104,7 @@ pub use terms::{JointTermComparison, ProfiledTerm, TermComparison, TermLaw};
 pub use twin::TwinRecording;
 pub use user_run::UserRun;
 pub use verdict::{NotExamined, ReasonCode, ReasonSubject, Verdict, VerdictReason};
+pub use watch::{WatchChange, WatchCollision, WatchDrift, WatchEvent, WatchResidual, WatchSettled, WatchSummary};
 
 // The values of other rooms that results hold and reports show.
 pub use thetahat_data::recording::{ChannelSummary, ColumnSummary, Contents, Resampling, TableSummary, TimeSummary};

@@ -51,6 +51,7 @@ pub use error::ExperimentError;
 pub use identified::{EstimateRequest, IdentifiedRobot};
 #[doc(hidden)]
 pub use power::PowerPoint;
+pub(crate) use predict::recording_to_predict;
 pub use predict::{PredictionRequest, predict};
 pub use proposal::{
     Proposal, ProposalError, ProposalFiles, ProposalRequest, ProposedChannels, ProposedSignal, propose,

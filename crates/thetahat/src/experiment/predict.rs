@@ -56,7 +56,7 @@ pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentErro
     let Some(experiment) = identified.experiment() else {
         return Err(ExperimentError::OfArrays { path: request.results.clone() });
     };
-    let description = described(experiment, request)?;
+    let description = recording_to_predict(experiment, request)?;
     let same_file = description.torque.as_ref().is_some_and(|torque| torque.file == description.position.file);
     let recording = if same_file || request.torque_file.is_some() {
         experiment.read_recording(&description, 1, Path::new(""))?
@@ -74,7 +74,10 @@ fn recorded_in<'e>(experiment: &'e Experiment, request: &PredictionRequest) -> O
 
 /// The experiment's description of a recording, with the files and columns of the request: that of the same file, with
 /// its window, or else that of the first recording.
-fn described(experiment: &Experiment, request: &PredictionRequest) -> Result<RecordingDescription, ExperimentError> {
+pub(crate) fn recording_to_predict(
+    experiment: &Experiment,
+    request: &PredictionRequest,
+) -> Result<RecordingDescription, ExperimentError> {
     let same = recorded_in(experiment, request);
     let Some(chosen) = same.or_else(|| experiment.file.recording.iter().chain(&experiment.file.validation).next())
     else {

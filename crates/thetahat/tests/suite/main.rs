@@ -52,3 +52,4 @@ mod uncertain_parameters;
 mod unpowered;
 mod user_estimator;
 mod verdict;
+mod watch;

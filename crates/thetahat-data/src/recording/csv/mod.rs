@@ -14,6 +14,7 @@
 //! | `read` | reads a whole file into a table |
 //! | `transposed` | reads a file with a channel in each line |
 //! | `pieces` | reads any rows of a long file into a table |
+//! | `stream` | reads the lines of a text that grows into tables |
 
 mod dialect;
 mod encoding;
@@ -26,6 +27,7 @@ mod row;
 mod sample;
 mod stamp;
 mod stamps;
+mod stream;
 mod text;
 mod transposed;
 mod unit_line;
@@ -35,6 +37,7 @@ pub use dialect::Dialect;
 pub use number::Decimal;
 pub(super) use pieces::TextPieces;
 pub(super) use read::{names, read, read_with_dialect};
+pub(super) use stream::TextStream;
 pub(super) use unit_line::unit_left_out;
 
 #[cfg(test)]
