@@ -52,7 +52,7 @@ pub struct ExperimentFile {
     pub robot: PathBuf,
     /// The joints of the robot that do not move in the recordings, in addition to those that its description locks.
     pub locks: Locks,
-    /// Acceleration of gravity in the base frame, m/s^2, instead of that of the description.
+    /// Acceleration of gravity in the base frame, m/s^2, in place of the description's.
     pub gravity: Option<[f64; 3]>,
     /// Torque terms in addition to those of the robot's description: `[[term]]`.
     pub terms: Vec<TermDescription>,
