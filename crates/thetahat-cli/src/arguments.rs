@@ -7,7 +7,7 @@ use clap::{
 };
 use clap_complete::Shell;
 use thetahat::{
-    Method,
+    Method, OneOrEach,
     experiment::Driver,
     export::ExportFormat,
     recording::{Side, Unit},
@@ -199,12 +199,12 @@ pub struct Columns {
     /// Samples per second, if there is no time column
     #[arg(long, value_name = "HZ", conflicts_with = "time")]
     pub rate: Option<f64>,
-    /// Unit of the positions, such as deg
-    #[arg(long, value_name = "UNIT")]
-    pub position_unit: Option<Unit>,
-    /// Unit of the torques, such as "mN m"
-    #[arg(long, value_name = "UNIT")]
-    pub torque_unit: Option<Unit>,
+    /// Unit of the positions, such as deg, or one for each joint: mm,mm,deg
+    #[arg(long, value_name = "UNITS", value_parser = units)]
+    pub position_unit: Option<OneOrEach<Unit>>,
+    /// Unit of the torques, such as "mN m", or one for each joint
+    #[arg(long, value_name = "UNITS", value_parser = units)]
+    pub torque_unit: Option<OneOrEach<Unit>>,
     /// The side of the gears on which positions and torques were measured
     #[arg(long, value_name = "SIDE", value_parser = side())]
     pub side: Option<Side>,
@@ -260,6 +260,13 @@ pub struct Identify {
     /// compared with the run before; results.json of that run is looked for in --out, and those of this one go to DIR.2
     #[arg(long, value_name = "CODES", value_delimiter = ',')]
     pub apply: Vec<String>,
+}
+
+/// One unit, or one for each joint, between commas.
+fn units(text: &str) -> Result<OneOrEach<Unit>, String> {
+    let units = text.split(',').map(|unit| unit.trim().parse::<Unit>().map_err(|e| e.to_string()));
+    let units: Vec<Unit> = units.collect::<Result<_, _>>()?;
+    Ok(if let [unit] = units[..] { OneOrEach::One(unit) } else { OneOrEach::Each(units) })
 }
 
 fn at_least_one(text: &str) -> Result<usize, String> {

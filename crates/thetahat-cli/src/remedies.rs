@@ -59,7 +59,7 @@ fn of_proposal(error: &ProposalError) -> Option<String> {
     const NAMES: &str = "NAME,NAME,...";
     Some(match error {
         ProposalError::UnclearColumns { signal, .. } => format!(
-            "name them with --{signal} {NAMES}, or name the joints that the log has with --joints {NAMES}: the others are locked"
+            "name them with --{signal} {NAMES}; where the log has fewer joints than the robot, name them with --joints {NAMES}: the others are locked"
         ),
         ProposalError::UnclearFile { file, .. } => {
             let file = file.display();

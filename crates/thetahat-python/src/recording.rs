@@ -8,7 +8,7 @@ use std::{
 use numpy::{IntoPyArray, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::{prelude::*, types::PyDict};
 use thetahat::{
-    Experiment,
+    Experiment, OneOrEach,
     experiment::{ProposalRequest, propose},
     recording::{Unit, inspect_with_time},
 };
@@ -116,8 +116,8 @@ struct Columns {
     joints: Vec<String>,
     time: Option<String>,
     sample_rate_hz: Option<f64>,
-    position_unit: Option<Unit>,
-    torque_unit: Option<Unit>,
+    position_unit: Option<OneOrEach<Unit>>,
+    torque_unit: Option<OneOrEach<Unit>>,
 }
 
 /// Reads recordings of a robot from files in a folder, as `thetahat init` understands them.

@@ -44,7 +44,7 @@ pub fn of_campaign_folder(error: &OutputError) -> Option<String> {
 pub fn of_proposal(error: &ProposalError) -> Option<String> {
     Some(match error {
         ProposalError::UnclearColumns { signal, .. } => {
-            format!("name them with `{signal}`, or name the joints that the log has with `joints`")
+            format!("name them with `{signal}`; where the log has fewer joints than the robot, name them with `joints`")
         }
         ProposalError::UnclearFile { .. } => "name its columns with `position`, `torque` or `time`".to_owned(),
         ProposalError::UnclearUnit { signal, is_of_a_joint: true, .. } => format!(

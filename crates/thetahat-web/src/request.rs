@@ -5,7 +5,7 @@ use std::{
 
 use serde::Deserialize;
 use thetahat::{
-    Method,
+    Method, OneOrEach,
     experiment::{ProposalFiles, ProposalRequest},
     recording::{Side, Unit},
 };
@@ -21,8 +21,8 @@ pub(crate) struct Request {
     pub(crate) time: Option<String>,
     joints: Vec<String>,
     rate: Option<f64>,
-    position_unit: Option<Unit>,
-    torque_unit: Option<Unit>,
+    position_unit: Option<OneOrEach<Unit>>,
+    torque_unit: Option<OneOrEach<Unit>>,
     side: Option<Side>,
     pub(crate) window_s: Option<[f64; 2]>,
     locked: BTreeMap<String, f64>,

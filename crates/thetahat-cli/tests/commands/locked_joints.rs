@@ -174,3 +174,36 @@ fn what_cannot_be_told_or_locked_is_said() {
         "{message}"
     );
 }
+
+/// The head is locked in the identification: a motion that turns it is not predicted, and one without torques is.
+#[test]
+fn predictions_are_of_the_joints_as_they_were_locked() {
+    let manipulator = Manipulator::new();
+    succeeded(&manipulator.run("init --robot mobile_manipulator.urdf --recording log.csv"));
+    let text = manipulator.0.text("experiment.toml");
+    manipulator.0.write("fast.toml", text.replace("\"idim-wls\", \"idim-iv\"", "\"idim-ls\""));
+    succeeded(&manipulator.run("identify fast.toml --out results"));
+    manipulator.0.write("moving.csv", manipulator.log("k", "0.5"));
+    let message = refused(&manipulator.run("predict results/results.json --recording moving.csv"));
+    assert!(
+        message.contains(
+            "moving.csv: joint `head_1_joint` is locked at 0.0000 rad in the results, and goes from 0.0000 to"
+        ),
+        "{message}"
+    );
+    let log = manipulator.log("0.0", "0.5");
+    let is_torque = |name: &str| name.ends_with(".effort");
+    let torques: Vec<bool> = log.lines().next().unwrap().split(',').map(is_torque).collect();
+    let planned = |line: &str| {
+        let cells = line.split(',').zip(&torques).filter(|(_, is_torque)| !**is_torque).map(|(cell, _)| cell);
+        cells.collect::<Vec<_>>().join(",") + "\n"
+    };
+    manipulator.0.write("planned.csv", log.lines().map(planned).collect::<String>());
+    let shown = succeeded(&manipulator.run("predict results/results.json --recording planned.csv --out predicted.csv"));
+    assert!(shown.contains("not measured"), "{shown}");
+    assert!(manipulator.0.text("predicted.csv").starts_with("time_s,predicted_1,"));
+    // A file with some of the torques is none of a planned motion.
+    manipulator.0.write("some.csv", log.replacen("arm_3_joint.effort", "arm_3_joint.load", 1));
+    let message = refused(&manipulator.run("predict results/results.json --recording some.csv"));
+    assert!(message.contains("there is no column \"arm_3_joint.effort\""), "{message}");
+}

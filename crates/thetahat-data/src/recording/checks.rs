@@ -106,14 +106,26 @@ pub(super) fn require_finite(
 pub(super) fn require_increasing(time: &[f64], file: &Path, column: &str) -> Result<(), RecordingError> {
     match time.windows(2).position(|pair| pair[1] <= pair[0]) {
         None => Ok(()),
-        Some(k) => Err(RecordingError::TimeNotIncreasing {
-            file: file.into(),
-            column: column.into(),
-            sample: k + 1,
-            previous: time[k],
-            found: time[k + 1],
-        }),
+        Some(k) => {
+            let (file, column, sample, previous, found) = (file.into(), column.into(), k + 1, time[k], time[k + 1]);
+            Err(match is_restart(time, sample) {
+                true => RecordingError::TimeRestarts { file, column, sample, previous, found },
+                false => RecordingError::TimeNotIncreasing { file, column, sample, previous, found },
+            })
+        }
     }
+}
+
+/// Steps by which a time goes back at least where a second recording begins, and samples of each of the two.
+const RESTART: usize = 50;
+
+/// Whether times go back at a sample by many steps, and rise for as long before and after it.
+pub(super) fn is_restart(time: &[f64], sample: usize) -> bool {
+    let Some(before) = sample.checked_sub(RESTART) else { return false };
+    let rises = |times: &[f64]| times.windows(2).all(|pair| pair[1] > pair[0]);
+    let Some(after) = time.get(sample..sample + RESTART) else { return false };
+    let length = time[sample - 1] - time[before];
+    rises(&time[before..sample]) && rises(after) && time[sample - 1] - time[sample] >= length
 }
 
 fn require_uniform(time: &[f64], step: f64, file: &Path, column: &str) -> Result<(), RecordingError> {

@@ -600,6 +600,40 @@ pub enum RecordingError {
         found: f64,
     },
 
+    /// The times start again: a file of two recordings.
+    #[error(
+        "{file}: {column:?} starts again at sample {sample} counted from 0: {found} s after {previous} s: these are two recordings; write \
+         the samples from there on into a file of their own, and name both"
+    )]
+    TimeRestarts {
+        /// The file.
+        file: PathBuf,
+        /// The name of the time column.
+        column: String,
+        /// The first sample of the second recording, counted from 0.
+        sample: usize,
+        /// The time of the sample before it, in seconds.
+        previous: f64,
+        /// The time of the sample, in seconds.
+        found: f64,
+    },
+
+    /// Most samples lack a value of a signal.
+    #[error(
+        "{file}: only {complete} of {samples} samples have all values of {}: it was logged at a lower rate than the others; remove the \
+         lines without them, so that all signals have that rate", quoted(.columns)
+    )]
+    Sparse {
+        /// The file.
+        file: PathBuf,
+        /// The columns of the signal.
+        columns: Vec<String>,
+        /// Samples with all its values.
+        complete: usize,
+        /// All samples.
+        samples: usize,
+    },
+
     /// The time steps have no usual value.
     #[error(
         "{file}: {column:?}: {irregular} of {steps} time steps deviate by more than {largest} of the usual one, {expected:.6} s \

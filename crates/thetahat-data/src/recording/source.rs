@@ -90,6 +90,10 @@ pub struct ChannelSource {
     /// Whether a torque holds until the next sample, as from a sampled controller: it then acts half a step later than it was recorded.
     #[serde(default)]
     pub held: bool,
+    /// Whether the unit of a torque is a guess from the masses of the description, which the verdict then says. Leave it out once the unit
+    /// is known.
+    #[serde(default)]
+    pub unit_guessed: bool,
     /// Whether the file may be anywhere, because the user named it and not a description file. Not read from files.
     #[serde(skip)]
     pub anywhere: bool,
@@ -142,6 +146,7 @@ impl ChannelSource {
             channel_column: None,
             delay_s: no_delay(),
             held: false,
+            unit_guessed: false,
             anywhere: true,
         }
     }
@@ -481,6 +486,7 @@ mod tests {
             channel_column: None,
             delay_s: no_delay(),
             held: false,
+            unit_guessed: false,
             anywhere: false,
         }
     }

@@ -47,8 +47,8 @@ pub fn knowledge_of_base(
     let covariance = |data: &LeastSquares| {
         let program = program(set, data, prior, &elimination, &conditions);
         let matrix = curvature(&program, elimination.unknowns_of(&set.believed()));
-        let system = matrix.and_then(|m| ScaledSystem::new(&m)).ok_or(ConsistencyError::NotFinite)?;
-        covariance_along(&system, &directions).ok_or(ConsistencyError::NotFinite)
+        let system = matrix.and_then(|m| ScaledSystem::new(&m)).ok_or(ConsistencyError::NotSolved)?;
+        covariance_along(&system, &directions).ok_or(ConsistencyError::NotSolved)
     };
     let believed = covariance(&nothing)?;
     let believed_variance = (0..base.len()).map(|i| believed.at(i, i)).collect();

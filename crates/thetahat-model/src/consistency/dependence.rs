@@ -32,7 +32,7 @@ pub struct Dependence {
 /// Known values of the set are kept. `standard` must have definite pseudo-inertia matrices.
 ///
 /// # Errors
-/// [`ConsistencyError`] for known values that contradict each other; [`ConsistencyError::NotFinite`] if the base parameters
+/// [`ConsistencyError`] for known values that contradict each other; [`ConsistencyError::NotSolved`] if the base parameters
 /// depend on one another.
 pub fn dependence_on_base(
     set: &ConsistentSet,
@@ -62,7 +62,7 @@ pub fn dependence_on_base(
     let right = Matrix::from_fn(unknowns + bases, bases, |i, j| if i == unknowns + j { 1.0 } else { 0.0 });
     let solved = PivotedQr::new(&system).solve_matrix(&right);
     if !(0..bases).all(|j| solved.column(j).iter().all(|v| v.is_finite())) {
-        return Err(ConsistencyError::NotFinite);
+        return Err(ConsistencyError::NotSolved);
     }
     let standard = n.times_matrix(&Matrix::from_fn(unknowns, bases, |i, j| scale[i] * solved.at(i, j)));
     Ok(Dependence { base: base_by_free, standard })

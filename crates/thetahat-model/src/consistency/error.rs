@@ -69,4 +69,10 @@ pub enum ConsistencyError {
     /// A matrix or vector with an entry that is not finite.
     #[error("the regression has entries that are not finite")]
     NotFinite,
+    /// The numbers of a solution overflow or vanish.
+    #[error(
+        "no consistent parameters can be computed, as numbers overflow: masses or inertias of the description are wrong by many powers of \
+         ten, as those in g and g mm^2 are; correct them, or remove them, and identify again"
+    )]
+    NotSolved,
 }

@@ -195,7 +195,7 @@ pub fn fit_within(
     let stop = Stop { relative_gap, absolute_gap, objective: f64::NEG_INFINITY };
     let conditions = binding(set, prior, conditions);
     let program = program(set, data, prior, &elimination, &conditions);
-    let minimum = minimise(&program, start, &stop).ok_or(ConsistencyError::NotFinite)?;
+    let minimum = minimise(&program, start, &stop).ok_or(ConsistencyError::NotSolved)?;
     Ok(result(data, &elimination, conditions, minimum))
 }
 

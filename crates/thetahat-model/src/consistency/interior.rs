@@ -57,7 +57,7 @@ pub(super) fn largest_margin(
     let unknowns = y.len();
     let here = margin_of(conditions, &y).min(1.0);
     if !here.is_finite() {
-        return Err(ConsistencyError::NotFinite);
+        return Err(ConsistencyError::NotSolved);
     }
     let shifted = conditions.iter().map(|c| c.shifted(unknowns, -1.0));
     let mut blocks: Vec<Block> = shifted.chain(limits.iter().cloned()).collect();
@@ -69,7 +69,7 @@ pub(super) fn largest_margin(
     let stop = Stop { relative_gap: GAP, absolute_gap: GAP, objective: 1.0 - enough };
     let start = y.into_iter().chain([here - here.abs().max(1.0)]).collect();
     let Some(Minimum { mut x, mut duals, .. }) = minimise(&program, start, &stop) else {
-        return Err(ConsistencyError::NotFinite);
+        return Err(ConsistencyError::NotSolved);
     };
     duals.truncate(conditions.len() + limits.len());
     let margin = x.pop().unwrap_or(f64::NEG_INFINITY);
@@ -103,7 +103,7 @@ pub(super) fn least_violations(
     let some = OFF_BOUNDARY * least.iter().fold(1.0, |a: f64, b| a.max(*b));
     let start = y.iter().copied().chain(least.iter().map(|l| 1.5 * l + some)).collect();
     let stop = Stop { relative_gap: gap, absolute_gap: GAP, objective: f64::NEG_INFINITY };
-    let Minimum { x, mut duals, .. } = minimise(&program, start, &stop).ok_or(ConsistencyError::NotFinite)?;
+    let Minimum { x, mut duals, .. } = minimise(&program, start, &stop).ok_or(ConsistencyError::NotSolved)?;
     duals.truncate(many + limits.len());
     let (y, lacking) = x.split_at(unknowns);
     Ok(Violations { lacking: lacking.to_vec(), y: y.to_vec(), duals })

@@ -13,9 +13,12 @@ pub(super) enum Signal {
 }
 
 /// Words that name a signal, each in the spellings that logs use.
-const TIME: [&str; 8] = ["t", "time", "times", "timestamp", "stamp", "sec", "zeit", "zeitstempel"];
-const POSITION: [&str; 14] = [
+const TIME: [&str; 9] = ["t", "time", "times", "timestamp", "stamp", "sec", "tout", "zeit", "zeitstempel"];
+/// Words that make the last of a path a time, whatever stands before: `q.time` of a signal of Simulink.
+const LAST_OF_TIME: [&str; 3] = ["time", "timestamp", "stamp"];
+const POSITION: [&str; 15] = [
     "q",
+    "qpos",
     "qm",
     "pos",
     "position",
@@ -30,8 +33,10 @@ const POSITION: [&str; 14] = [
     "winkel",
     "ist",
 ];
-const VELOCITY: [&str; 9] = ["dq", "qd", "qdot", "vel", "velocity", "velocities", "speed", "speeds", "geschwindigkeit"];
-const TORQUE: [&str; 17] = [
+const VELOCITY: [&str; 10] =
+    ["dq", "qd", "qdot", "qvel", "vel", "velocity", "velocities", "speed", "speeds", "geschwindigkeit"];
+const TORQUE: [&str; 18] = [
+    "qfrc",
     "tau",
     "torque",
     "torques",
@@ -52,9 +57,9 @@ const TORQUE: [&str; 17] = [
 ];
 /// Those of the words for torques that name the signal of a drive.
 const DRIVE_SIGNALS: [&str; 7] = ["current", "currents", "curr", "vir", "voltage", "u", "strom"];
-const OTHER: [&str; 8] = ["ddq", "qdd", "acc", "accel", "acceleration", "accelerations", "temp", "temperature"];
+const OTHER: [&str; 9] = ["ddq", "qdd", "qacc", "acc", "accel", "acceleration", "accelerations", "temp", "temperature"];
 /// Words that mark a signal as desired, not measured.
-const DESIRED_WORDS: [&str; 13] = [
+const DESIRED_WORDS: [&str; 17] = [
     "ref",
     "reference",
     "references",
@@ -68,7 +73,15 @@ const DESIRED_WORDS: [&str; 13] = [
     "setpoint",
     "goal",
     "soll",
+    "action",
+    "actions",
+    "sp",
+    "ctrl",
 ];
+/// Words that mark positions as desired where the log has others without them.
+const LEADING_WORDS: [&str; 4] = ["nominal", "leader", "interp", "input"];
+/// How LeRobot calls the measured positions where it has no names for them.
+const STATE: [&str; 2] = ["observation", "state"];
 /// Short for "desired" after the name of a signal: `q_d`, `tau_J_d`.
 const DESIRED: &str = "d";
 
@@ -97,8 +110,14 @@ pub(super) fn read(name: &str) -> Option<Reading> {
 /// The same of a column among others: `q_d` is the desired value where there is a `q`, and not the position of a joint `d`.
 pub(super) fn read_among<'n>(name: &str, mut others: impl Iterator<Item = &'n str>) -> Option<Reading> {
     let words = words(name);
-    let without = without_desired(&words);
-    let is_desired = without.is_some_and(|without| others.any(|other| self::words(other) == without));
+    let is_measured = |other: &str| {
+        let words = self::words(other);
+        !has_word(&words, &LEADING_WORDS) && read(other).is_some_and(|r| r.signal == Signal::Position)
+    };
+    let is_desired = match without_desired(&words) {
+        Some(without) => others.any(|other| self::words(other) == without),
+        None => has_word(&words, &LEADING_WORDS) && others.any(is_measured),
+    };
     let signal = signal(&words, is_desired || has_word(&words, &DESIRED_WORDS))?;
     Some(Reading { signal, number: number_in(&words) })
 }
@@ -142,9 +161,11 @@ fn signal(words: &[String], is_desired: bool) -> Option<Signal> {
     let has = |list: &[&str]| has_word(words, list);
     let signal = match (has(&POSITION), has(&VELOCITY), has(&TORQUE), has(&TIME)) {
         _ if has(&OTHER) => None,
+        _ if words.last().is_some_and(|last| LAST_OF_TIME.contains(&last.as_str())) => Some(Signal::Time),
         (_, true, ..) => Some(Signal::Velocity),
         (_, _, true, _) => Some(Signal::Torque),
         (true, ..) => Some(Signal::Position),
+        _ if words.starts_with(&STATE.map(str::to_owned)) => Some(Signal::Position),
         (.., true) => Some(Signal::Time),
         _ => None,
     };
@@ -170,6 +191,11 @@ pub(super) fn is_silent(name: &str) -> bool {
     let words = words(name);
     let lists: [&[&str]; 7] = [&TIME, &POSITION, &VELOCITY, &TORQUE, &OTHER, &DESIRED_WORDS, &REFERENCE];
     !lists.iter().any(|list| has_word(&words, list))
+}
+
+/// Whether a name has a word.
+pub(super) fn has(name: &str, word: &str) -> bool {
+    words(name).iter().any(|w| w == word)
 }
 
 /// Whether a name says that a value was measured on the motor's side.
@@ -253,6 +279,16 @@ mod tests {
             ("q_d", Some((Signal::Position, None))),
             ("speed_3 [1/min]", Some((Signal::Velocity, Some(3)))),
             ("q2 [A]", Some((Signal::Position, Some(2)))),
+            ("action.elbow_joint.pos", Some((Signal::Reference, None))),
+            ("observation.state", Some((Signal::Position, None))),
+            ("observation.state.elbow_joint.effort", Some((Signal::Torque, None))),
+            ("pos_sp_2", Some((Signal::Reference, Some(2)))),
+            ("q.time", Some((Signal::Time, None))),
+            ("tau.signals.values", Some((Signal::Torque, None))),
+            ("qpos", Some((Signal::Position, None))),
+            ("qvel", Some((Signal::Velocity, None))),
+            ("qfrc_actuator", Some((Signal::Torque, None))),
+            ("qacc", None),
         ] {
             assert_eq!(signal(name), expected, "{name}");
         }
@@ -273,6 +309,13 @@ mod tests {
         assert_eq!(among("tau_J_d_3", &["tau_J_3"]), None);
         assert_eq!(among("q_d", &["q_a", "q_b", "q_c"]), Some(Signal::Position));
         assert_eq!(among("d.position", &["position"]), Some(Signal::Position));
+        assert_eq!(among("leader_q2", &["leader_q2", "follower_q2"]), Some(Signal::Reference));
+        assert_eq!(among("leader_q2", &["leader_q1", "leader_q2"]), Some(Signal::Position));
+    }
+
+    #[test]
+    fn commands_may_lack_the_name_of_a_signal() {
+        assert!(says_only_desired("ctrl") && says_only_desired("action") && !says_only_desired("action.elbow.pos"));
     }
 
     #[test]

@@ -138,6 +138,27 @@ pub enum ExperimentError {
         /// What it does.
         label: String,
     },
+    /// A motion moves a joint that the identification locked.
+    #[error(
+        "{}: joint `{joint}` is locked at {value:.4} {unit} in the results, and goes from {least:.4} to {most:.4} {unit} here (column \
+         {column:?}): the parameters hold for the locked joint alone; identify from recordings in which it moves", file.display()
+    )]
+    LockedMoves {
+        /// The file of the motion.
+        file: PathBuf,
+        /// The joint.
+        joint: String,
+        /// Where it is locked.
+        value: f64,
+        /// The column of its positions.
+        column: String,
+        /// Its least position.
+        least: f64,
+        /// Its largest position.
+        most: f64,
+        /// `rad` or `m`, of all three.
+        unit: &'static str,
+    },
     /// The results have no such estimate.
     #[error("{}: {source}", path.display())]
     NoEstimate {

@@ -264,6 +264,11 @@ impl IdentifiedRobot {
         self.source.as_ref().and_then(RobotSource::urdf_text)
     }
 
+    /// The robot without locks, where its description is known.
+    pub(super) fn robot_without_locks(&self) -> Option<Robot> {
+        self.source.as_ref().and_then(|source| source.robot_without_transmission().ok())
+    }
+
     pub(crate) fn setup(&self) -> Setup<'_> {
         Setup { robot: &self.robot, settings: &self.settings }
     }

@@ -23,9 +23,20 @@ pub(super) fn complete_samples(
         return Ok(None);
     }
     if (complete.len() as f64) < LEAST_COMPLETE * samples as f64 {
-        signals.iter().try_for_each(|(source, series)| refuse_missing(source, series, data))?;
+        signals.iter().try_for_each(|(source, series)| refuse_sparse(source, series, data))?;
     }
     Ok(Some(complete))
+}
+
+/// Refuses a signal that lacks values: of most samples as one of a lower rate, of few with their place.
+fn refuse_sparse(source: &ChannelSource, series: &Series, data: &Path) -> Result<(), RecordingError> {
+    let samples = series.len();
+    let complete = (0..samples).filter(|&k| series.sample(k).iter().all(|value| value.is_finite())).count();
+    if (complete as f64) < LEAST_COMPLETE * samples as f64 {
+        let (file, columns) = (source.path(data), source.columns.clone());
+        return Err(RecordingError::Sparse { file, columns, complete, samples });
+    }
+    refuse_missing(source, series, data)
 }
 
 /// Refuses a signal that lacks a value.

@@ -23,6 +23,7 @@ mod driver;
 mod error;
 mod floating;
 mod identified;
+mod locked_motion;
 mod missing_values;
 mod paths;
 mod power;

@@ -7,9 +7,10 @@ use super::{
     description::{Experiment, RecordingDescription},
     error::ExperimentError,
     identified::{EstimateRequest, IdentifiedRobot},
+    locked_motion::require_locked_at_rest,
 };
 use crate::preparation::PreparationError;
-use thetahat_data::recording::{ChannelSource, Side, Unit};
+use thetahat_data::recording::{ChannelSource, RecordingError, Side, Unit};
 use thetahat_estimation::identification::Method;
 use thetahat_ground::one_or_each::OneOrEach;
 use thetahat_report::results::Prediction;
@@ -57,13 +58,29 @@ pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentErro
         return Err(ExperimentError::OfArrays { path: request.results.clone() });
     };
     let description = recording_to_predict(experiment, request)?;
+    if let Some(whole) = identified.robot_without_locks() {
+        require_locked_at_rest(&description, &whole, &experiment.robot.locked)?;
+    }
     let same_file = description.torque.as_ref().is_some_and(|torque| torque.file == description.position.file);
     let recording = if same_file || request.torque_file.is_some() {
-        experiment.read_recording(&description, 1, Path::new(""))?
+        match experiment.read_recording(&description, 1, Path::new("")) {
+            Err(error) if is_motion_alone(&error, &description, request) => {
+                experiment.read_motion(&description, Path::new(""))?
+            }
+            read => read?,
+        }
     } else {
         experiment.read_motion(&description, Path::new(""))?
     };
     identified.predict_valid(recording).map_err(|e| experiment.refuse(e))
+}
+
+/// Whether a file was refused because it has none of the torques, which the request does not name: a planned motion.
+fn is_motion_alone(error: &ExperimentError, description: &RecordingDescription, request: &PredictionRequest) -> bool {
+    let ExperimentError::Recording(RecordingError::MissingColumn { column, found, .. }) = error else { return false };
+    let Some(torque) = &description.torque else { return false };
+    let is_asked = request.torque_file.is_some() || !request.torque.is_empty();
+    !is_asked && torque.columns.contains(column) && !torque.columns.iter().any(|name| found.contains(name))
 }
 
 /// The recording of an experiment that a request is for.

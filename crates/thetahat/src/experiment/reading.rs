@@ -68,7 +68,8 @@ impl Experiment {
         let (read, clock) = clock_of_read(description, data, with_repeats_bridged(read), times)?;
         let recording = described(description, number, data, read, &clock);
         let is_held = description.torque.as_ref().is_some_and(|torque| torque.held);
-        let recording = if is_held { recording.with_held_torque() } else { recording };
+        let mut recording = if is_held { recording.with_held_torque() } else { recording };
+        recording.torque_unit_guessed = description.torque.as_ref().is_some_and(|torque| torque.unit_guessed);
         let recording = recording.unwrapped(&self.robot);
         let recording = without_delays(recording.into_equal_steps(&clock), description);
         let recording = self.with_contacts(description, recording)?;

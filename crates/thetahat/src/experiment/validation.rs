@@ -83,8 +83,12 @@ impl Experiment {
             self.require(source.delay_s.given().len() == 1, "[recording.channels] delay_s", "one number", "a list")?;
         }
         let others = [&recording.velocity, &recording.reference, &recording.added_signal].into_iter().flatten();
-        let held = others.chain([&recording.position]).chain(recording.channels.values()).any(|source| source.held);
+        let others: Vec<&ChannelSource> =
+            others.chain([&recording.position]).chain(recording.channels.values()).collect();
+        let held = others.iter().any(|source| source.held);
         self.require(!held, "[recording] held", "for the torque alone", held)?;
+        let guessed = others.iter().any(|source| source.unit_guessed);
+        self.require(!guessed, "[recording] unit_guessed", "for the torque alone", guessed)?;
         if let Some(time) = &recording.time {
             let expected = "0: signals are late, not times";
             self.require(!time.is_delayed(), "[recording] time: delay_s", expected, "another number")?;

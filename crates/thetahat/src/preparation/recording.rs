@@ -35,6 +35,9 @@ pub struct Recording {
     /// Why these are not known, in sentences.
     #[doc(hidden)]
     pub notes_of_base: Vec<String>,
+    /// Whether the unit of its torques is a guess from the masses of the description.
+    #[doc(hidden)]
+    pub torque_unit_guessed: bool,
     /// A column of times in its file and their rate, Hz, where another rate is stated.
     pub contradicting_times: Option<(String, f64)>,
     /// What was changed when it was read, in sentences: angles unwrapped, copies left out, a coarse clock.
@@ -93,6 +96,7 @@ impl Recording {
             gaps: Vec::new(),
             unused_rows: Vec::new(),
             notes_of_base: Vec::new(),
+            torque_unit_guessed: false,
             contradicting_times: None,
             notes: Vec::new(),
             window_s: [None, None],

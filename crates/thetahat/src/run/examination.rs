@@ -54,7 +54,26 @@ pub(crate) fn examine(
     };
     let mut findings = checks::examine(&subject);
     findings.extend(equations_used(setup.robot, filtered));
+    findings.extend(recording.torque_unit_guessed.then(guessed_unit));
     RecordingFindings { recording: recording.name.clone(), held_back, findings }
+}
+
+/// The warning of a torque whose unit was taken from the masses of the description: all torques and masses depend on it.
+fn guessed_unit() -> Finding {
+    Finding {
+        code: Code::TorqueScale,
+        severity: Severity::Warning,
+        joint: None,
+        joint_name: None,
+        value: 0.0,
+        unit: String::new(),
+        limit: None,
+        message: "the unit of the torque is a guess from the description's masses: all torques are wrong by a factor if it is another"
+            .to_owned(),
+        remedy: "find the unit in the manual of the drive or the driver, then leave unit_guessed of torque out".to_owned(),
+        parameters: Vec::new(),
+        step: None,
+    }
 }
 
 /// The note of a base that floats: which equations are used, and when.

@@ -93,7 +93,7 @@ impl GrowingText {
         let named: Vec<_> = [("the position", &description.position)].into_iter().chain(torque).chain(time).collect();
         for (signal, source) in &named {
             let refuse = |why| Err(WatchError::NotInText { path: request.recording.clone(), signal, why });
-            if source.delay_s != 0.0 {
+            if source.is_delayed() {
                 return refuse("has a delay_s");
             }
             if !SignalStream::can_read(source) {

@@ -53,14 +53,14 @@ pub const FINDINGS: [[&str; 4]; 43] = [
     ],
     [
         "position-zero",
-        "problem",
-        "ratio for the transmission's offsets added or subtracted ({checks/torque/hypotheses COMMON_LIMIT})",
+        "problem, warning",
+        "ratio for the transmission's offsets added or subtracted ({checks/torque/hypotheses COMMON_LIMIT}); a warning where the middle of a joint's motion lies outside its limits",
         "check `offset_deg`, and whether the positions include it already",
     ],
     [
         "torque-scale",
-        "problem",
-        "ratio for torques from the other side of the gears ({checks/torque/hypotheses COMMON_LIMIT} for all joints, {checks/torque/hypotheses SINGLE_LIMIT} for one)",
+        "problem, warning",
+        "ratio for torques from the other side of the gears ({checks/torque/hypotheses COMMON_LIMIT} for all joints, {checks/torque/hypotheses SINGLE_LIMIT} for one); a warning where the unit is a guess from the description's masses (`unit_guessed`)",
         "correct `side` of the torque, or the ratios in `[transmission]`",
     ],
     [

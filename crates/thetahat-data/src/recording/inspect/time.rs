@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::super::checks::is_restart;
 use super::super::clock::CoarseTimes;
 use super::super::table::Column;
 use super::super::unit::Unit;
@@ -45,6 +46,10 @@ pub struct TimeSummary {
     pub repeated: usize,
     /// Number of times earlier than the previous one.
     pub backwards: usize,
+    /// The first sample of a second recording in the file, counted from 0, at which the times start again.
+    #[doc(hidden)]
+    #[serde(skip)]
+    pub restart: Option<usize>,
 }
 
 /// A step that is too long.
@@ -100,6 +105,7 @@ fn time(column: &Column, in_seconds: bool, is_named: bool) -> Option<TimeSummary
     let steps: Vec<f64> = column.values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let coarse = CoarseTimes::of(&column.values);
     let step = coarse.map_or_else(|| period(&steps), |coarse| Some(coarse.step))?;
+    let restart = (1..column.values.len()).find(|&k| steps[k - 1] < 0.0 && is_restart(&column.values, k));
     let backwards = steps.iter().filter(|step| **step < 0.0).count();
     let (jitter_rms, jitter_max) = jitter(&steps, step);
     let is_even = steps.iter().all(|step| *step > 0.0) && jitter_rms < EVEN && steps.iter().all(|s| *s <= GAP * step);
@@ -121,6 +127,7 @@ fn time(column: &Column, in_seconds: bool, is_named: bool) -> Option<TimeSummary
         gaps: if coarse.is_some() { Vec::new() } else { gaps(&steps, step, unit) },
         repeated: steps.iter().filter(|step| **step == 0.0).count(),
         backwards,
+        restart,
     })
 }
 

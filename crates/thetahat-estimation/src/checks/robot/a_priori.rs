@@ -33,8 +33,13 @@ const ABSURD: f64 = 1000.0;
 const EXPLAINED: f64 = 0.5;
 /// Largest factor between two scales that count as equal.
 const ALIKE: f64 = 1.5;
-/// Factor between a torque in mN m and one in N m.
+/// Factor between a torque in mN m and one in N m, and between masses in g and in kg.
 const THOUSAND: f64 = 1e3;
+/// Largest factor between the middle scale and a thousand that offers mN m as a setting. A current in mA has some hundred to a few
+/// thousand times the torque, and masses of descriptions that are right are right to some percent.
+const AS_A_UNIT: f64 = 1.05;
+/// Largest factor of torques that a description in g explains: 1/1000, and a description that is wrong by half.
+const OF_GRAMS: f64 = ALIKE / THOUSAND;
 /// Units of time that are taken for seconds, with their number in a second: accelerations are wrong by its square.
 const TIMES: [(&str, f64); 3] = [("ms", 1e3), ("us", 1e6), ("ns", 1e9)];
 /// Number of joints with the same factor from which wrong masses are no explanation.
@@ -117,8 +122,10 @@ fn finding_text(robot: &Robot, wrong: &[&Scale], middle: f64, several: bool) -> 
     let step = match (at_motor, at_joint) {
         (true, _) => side(true),
         (false, true) => side(false),
-        (false, false) => in_thousands(wrong, several)
-            .map(|factor| RemedyStep::Scale { position: Vec::new(), torque: vec![factor; robot.coordinate_count()] }),
+        (false, false) => has_unit_of_thousands(wrong, middle, several).then(|| RemedyStep::Scale {
+            position: Vec::new(),
+            torque: vec![1.0 / THOUSAND; robot.coordinate_count()],
+        }),
     };
     let remedy = if at_motor {
         "these are the gear ratios: set side = \"motor\" of torque in [recording]"
@@ -126,20 +133,25 @@ fn finding_text(robot: &Robot, wrong: &[&Scale], middle: f64, several: bool) -> 
         "these are the gear ratios: set side = \"joint\" of torque in [recording]"
     } else if let Some(times) = of_times(wrong) {
         return FindingText::new(message, times);
+    } else if step.is_some() {
+        "that is near 1000, so a guess: the torque is in mN m. Of a current in mA the factor may be near 1000 by chance: then state \
+         unit = \"mA\" with gain = [...] in N m/A, or run init with --from DRIVER"
+    } else if wrong.iter().all(|s| s.factor < OF_GRAMS) {
+        "masses of the description in g, which are 1000 times too large, or inertias in g mm^2, 1e9 times, are likely: a URDF has kg and \
+         kg m^2. Correct them, or remove the <inertial> elements, without which everything is estimated from the recording. If the \
+         description is right, check the unit of torque"
     } else {
         "check the unit of torque, and the side of the gears of torque and position (side = \"motor\" in [recording] with the \
-         ratios in [transmission] matrix, or gain = ... of the channel); if these are right, the masses of the description are \
-         placeholders: ignore this warning"
+         ratios in [transmission] matrix). A current in A or mA, or a raw value, needs its unit and gain = [...], or init --from DRIVER. \
+         If these are right, the masses of the description are placeholders: remove its <inertial> elements, without which everything \
+         is estimated from the recording"
     };
     FindingText::new(message, remedy).with_step(step)
 }
 
 /// The remedy where all factors are the square of a unit of time in seconds: joints without gravity whose times have another unit.
 fn of_times(wrong: &[&Scale]) -> Option<String> {
-    let all_are = |expected: f64| {
-        let is_near = |s: &&Scale| (s.factor / expected).max(expected / s.factor) < ALIKE;
-        wrong.iter().all(is_near)
-    };
+    let all_are = |expected: f64| are_near(wrong, expected);
     TIMES.into_iter().find_map(|(unit, parts)| {
         let (found, taken) = match (all_are(parts * parts), all_are(1.0 / (parts * parts))) {
             (true, _) => (unit, "s"),
@@ -153,11 +165,15 @@ fn of_times(wrong: &[&Scale]) -> Option<String> {
     })
 }
 
-/// The factor that corrects torques which are a thousand times too large or too small at every joint: those of mN m and kN m.
-fn in_thousands(wrong: &[&Scale], several: bool) -> Option<f64> {
-    let is_near = |size: f64| wrong.iter().all(|s| (s.factor / size).max(size / s.factor) < ALIKE);
-    let found = [THOUSAND, 1.0 / THOUSAND].into_iter().find(|size| is_near(*size));
-    found.filter(|_| several).map(f64::recip)
+/// Whether the torques of several joints are so near a thousand times too large that they are in mN m.
+fn has_unit_of_thousands(wrong: &[&Scale], middle: f64, several: bool) -> bool {
+    let off = (middle / THOUSAND).max(THOUSAND / middle);
+    several && off < AS_A_UNIT && are_near(wrong, THOUSAND)
+}
+
+/// Whether all scales are near a size.
+fn are_near(wrong: &[&Scale], size: f64) -> bool {
+    wrong.iter().all(|s| (s.factor / size).max(size / s.factor) < ALIKE)
 }
 
 /// The joints whose torque has the shape that the a-priori masses give, with its factor.
@@ -207,4 +223,27 @@ fn a_priori_torque(recording: &ThinnedRecording<'_>) -> Option<Series> {
     let values: Vec<f64> = given.iter().map(|&i| theta[i]).collect();
     let torque = Regressor::new(model, &given).torques(model, [q, dq, ddq], Sign::Exact, &values);
     recording.decimator.filter(&torque).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether mN m is offered for joints with these factors.
+    fn is_offered(factors: &[f64]) -> bool {
+        let scales: Vec<Scale> =
+            factors.iter().enumerate().map(|(coordinate, &factor)| Scale { coordinate, factor, part: 1.0 }).collect();
+        has_unit_of_thousands(&scales.iter().collect::<Vec<_>>(), median(factors), true)
+    }
+
+    #[test]
+    fn a_unit_is_offered_only_where_the_factor_is_its_own() {
+        assert!(is_offered(&[980.0, 1010.0, 1040.0]));
+        assert!(is_offered(&[700.0, 1010.0, 1040.0]));
+        // Currents in mA of 1.8 N m/A, on descriptions that are wrong by some percent and by half.
+        assert!(!is_offered(&[532.0, 530.0, 535.0]));
+        assert!(!is_offered(&[757.0, 760.0, 750.0]));
+        assert!(!is_offered(&[980.0, 1010.0, 100.0]));
+        assert!(!is_offered(&[0.001, 0.001, 0.001]));
+    }
 }

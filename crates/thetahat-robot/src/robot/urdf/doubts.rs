@@ -19,6 +19,11 @@ use crate::robot::{
 const ROUNDING: f64 = 0.01;
 /// Radius of gyration, m, below which an inertia counts as zero: no link is a hundred times smaller than a grain of sand.
 const LEAST_RADIUS: f64 = 1e-5;
+/// Radius of gyration, m, above which inertias are in another unit than masses: no link is so large.
+const LARGEST_RADIUS: f64 = 10.0;
+/// Distance between joints, m, and the same over the middle one of the file, above which it may be in mm.
+const LARGEST_LENGTH: f64 = 10.0;
+const LARGEST_OVER_MIDDLE: f64 = 100.0;
 
 /// The doubts about the links and joints of a file, in its order.
 pub(super) fn of(structure: &Structure<'_>, assembly: &Assembly<'_, '_>) -> Result<Vec<Doubt>, UrdfError> {
@@ -33,7 +38,26 @@ pub(super) fn of(structure: &Structure<'_>, assembly: &Assembly<'_, '_>) -> Resu
         let number = assembly.joints.iter().position(|moving| moving.name == joint.name);
         doubts.extend(of_joint(joint).into_iter().map(|doubt| doubt.carried_by(number)));
     }
+    doubts.extend(of_lengths(&structure.joints));
     Ok(doubts)
+}
+
+/// The joints that are far more distant from the ones before them than those of the rest: their origins may be in mm.
+fn of_lengths(joints: &[JointElement<'_>]) -> Vec<Doubt> {
+    let length = |joint: &JointElement<'_>| joint.frame.origin.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let mut all: Vec<f64> = joints.iter().map(length).filter(|length| *length > 0.0).collect();
+    all.sort_by(f64::total_cmp);
+    let Some(&middle) = all.get(all.len().saturating_sub(1) / 2) else { return Vec::new() };
+    let is_far = |joint: &&JointElement<'_>| length(joint) > LARGEST_LENGTH.max(LARGEST_OVER_MIDDLE * middle);
+    let doubt = |joint: &JointElement<'_>| {
+        let what = format!(
+            "joint `{}` lies {} m from the one before it, and half of the joints at most {middle} m: is its <origin> in mm?",
+            joint.name,
+            length(joint)
+        );
+        Doubt::note(joint.element.place().to_string(), what, "write the lengths of <origin> in m")
+    };
+    joints.iter().filter(is_far).map(doubt).collect()
 }
 
 fn of_implied_base(base: &ImpliedBase<'_>) -> Doubt {
@@ -103,6 +127,15 @@ fn of_inertia(place: &str, body: &RigidBody, is_moved: bool) -> Option<Doubt> {
         return Some(Doubt { grade, place, what, value: a, unit: "kg m^2", carrier: None, remedy });
     }
     let largest = largest_inertia(body);
+    if body.m > 0.0 && largest > LARGEST_RADIUS * LARGEST_RADIUS * body.m {
+        let what = format!(
+            "a mass of {} kg with an inertia of {largest} kg m^2, as of a body with a radius of {:.0} m: are masses in g, or inertias in \
+             g mm^2 or kg mm^2?",
+            body.m,
+            (largest / body.m).sqrt()
+        );
+        return Some(Doubt::note(place.to_owned(), what, "give masses in kg and inertias in kg m^2"));
+    }
     let is_a_point = is_moved && body.m > 0.0 && largest < LEAST_RADIUS * LEAST_RADIUS * body.m;
     let note = || {
         let what = format!("a mass of {} kg with an inertia of {largest:?} kg m^2: all of it in one point", body.m);

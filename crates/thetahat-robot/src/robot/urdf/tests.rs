@@ -644,3 +644,34 @@ fn xml_that_other_readers_accept_is_refused_with_a_remedy() {
     let comment = message(&ARM.replace("looks are", "looks -- are"));
     assert!(comment.contains("line 3"), "{comment}");
 }
+
+/// A thigh in mm among links in m, and bodies in g and g mm^2.
+#[test]
+fn lengths_in_mm_and_masses_in_g_are_noted() {
+    let notes = |text: &str| {
+        let doubts = read(text).unwrap().doubts;
+        assert!(doubts.iter().all(|doubt| doubt.grade == DoubtGrade::Note), "{doubts:?}");
+        doubts.into_iter().map(|doubt| doubt.what).collect::<Vec<_>>()
+    };
+    let joint = |n: usize, z: f64| {
+        format!(
+            "<link name='l{n}'/><joint name='j{n}' type='revolute'><origin xyz='0 0 {z}'/><parent link='{}'/><child link='l{n}'/>\
+             <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>",
+            if n == 1 { "base".to_owned() } else { format!("l{}", n - 1) }
+        )
+    };
+    let leg = |lengths: [f64; 3]| {
+        let joints: String = lengths.iter().zip(1..).map(|(z, n)| joint(n, *z)).collect();
+        format!("<robot name='leg'><link name='base'/>{joints}</robot>")
+    };
+    assert_eq!(notes(&leg([0.1, 0.22, 0.2])), Vec::<String>::new());
+    // A crane on a long track is none in mm.
+    assert_eq!(notes(&leg([0.4, 12.0, 8.0])), Vec::<String>::new());
+    let [note] = &notes(&leg([0.1, 220.0, 0.2]))[..] else { panic!("one note") };
+    assert!(note.starts_with("joint `j2` lies 220 m from the one before it"), "{note}");
+    let body =
+        "<inertial><mass value='2000'/><inertia ixx='8e6' ixy='0' ixz='0' iyy='8e6' iyz='0' izz='8e6'/></inertial>";
+    let text = leg([0.1, 0.2, 0.2]).replace("<link name='l2'/>", &format!("<link name='l2'>{body}</link>"));
+    let [note] = &notes(&text)[..] else { panic!("one note") };
+    assert!(note.contains("as of a body with a radius of 63 m"), "{note}");
+}

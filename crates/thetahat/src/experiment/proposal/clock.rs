@@ -26,7 +26,13 @@ pub(super) fn clock(
     };
     let of_driver = request.driver.as_ref().and_then(|driver| driver.rate_hz);
     match (request.sample_rate_hz, times, of_driver) {
-        (None, Some((source, time)), _) => Ok(recorded(&source, time)),
+        (None, Some((source, time)), _) => match time.restart {
+            None => Ok(recorded(&source, time)),
+            Some(sample) => {
+                let (file, column) = (source.file.to_owned(), time.column.clone());
+                Err(ProposalError::TimeRestarts { file, column, sample })
+            }
+        },
         (Some(rate), times, _) => stated(rate, times),
         (None, None, Some(rate_hz)) => Ok(ProposedClock { rate_hz, time: None }),
         (None, None, None) => {

@@ -1,5 +1,6 @@
 use super::{
     super::column_names::{self, Signal},
+    set_aside::{self, SetAside},
     source::{SelectedColumn, Source, channels},
 };
 use thetahat_data::recording::ColumnSummary;
@@ -15,15 +16,45 @@ pub(super) fn by_name<'a>(
     robot: &Robot,
     signal: Signal,
 ) -> Result<Vec<SelectedColumn<'a>>, String> {
-    let named = |c: &'a ColumnSummary| source.reading(&c.name).filter(|r| r.signal == signal).map(|r| (c, r.number));
-    let mut found: Vec<Numbered<'a>> = source.columns().filter_map(named).collect();
+    let named = measured(source, robot, signal).0;
+    let number = |c: &ColumnSummary| source.reading(&c.name).and_then(|reading| reading.number);
+    let mut found: Vec<Numbered<'a>> = named.into_iter().map(|c| (c, number(c))).collect();
     if found.is_empty() && signal == Signal::Reference {
         found = desired(source);
     }
     if found.is_empty() && of_file(source) == Some(signal) {
         found = silent(source);
     }
-    in_order(source, robot, found)
+    let without_idle = || in_order(source, robot, without_idle(&found));
+    in_order(source, robot, found.clone()).or_else(|problem| without_idle().map_err(|_| problem))
+}
+
+/// The columns that are not zero all the time: those of motors that are not connected are.
+fn without_idle<'a>(columns: &[Numbered<'a>]) -> Vec<Numbered<'a>> {
+    let is_zero = |column: &ColumnSummary| column.statistics.iter().all(|c| c.min == Some(0.0) && c.max == Some(0.0));
+    columns.iter().copied().filter(|(column, _)| !is_zero(column)).collect()
+}
+
+/// The columns whose names say that they hold a signal, and those that stand next to its measurement.
+pub(super) fn measured<'a>(
+    source: &Source<'a>,
+    robot: &Robot,
+    signal: Signal,
+) -> (Vec<&'a ColumnSummary>, Vec<SetAside>) {
+    let is_of = |c: &&ColumnSummary| source.reading(&c.name).is_some_and(|reading| reading.signal == signal);
+    set_aside::parted(source, robot, signal, source.columns().filter(is_of).collect())
+}
+
+/// The columns of a group that have a name in common, `observation.state` of `observation.state.elbow.pos`, in the order of the joints;
+/// none if they are not one for each joint.
+pub(super) fn of_group<'a>(source: &Source<'a>, robot: &Robot, group: &str) -> Vec<SelectedColumn<'a>> {
+    let is_of = |c: &&ColumnSummary| {
+        let rest = c.name.strip_prefix(group).and_then(|rest| rest.chars().next());
+        rest.is_some_and(|c| !c.is_alphabetic()) && !source.is_time(&c.name)
+    };
+    let numbered = |c: &'a ColumnSummary| (c, column_names::number(&c.name));
+    let found: Vec<Numbered<'a>> = source.columns().filter(is_of).map(numbered).collect();
+    in_order(source, robot, found).unwrap_or_default()
 }
 
 /// Whether the name of a column says that it holds a signal, or where that says nothing, the name of its file.

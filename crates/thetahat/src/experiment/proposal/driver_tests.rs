@@ -187,7 +187,8 @@ fn each_preset_reads_the_log_of_its_driver() {
             assert_eq!(channels.columns, (0..3).map(|j| format.name(pattern, j)).collect::<Vec<_>>(), "{text}");
             let is_counted = format.preset == "cia402" && signal == "position";
             let unit = if is_counted { "rad" } else { format.units[number] };
-            assert_eq!((channels.unit.of(0).symbol(), channels.side), (unit, Side::Joint), "{text}");
+            let side = if format.preset.starts_with("dynamixel") { Side::Motor } else { Side::Joint };
+            assert_eq!((channels.unit.of(0).symbol(), channels.side), (unit, side), "{text}");
         }
         let torque = &proposal.recordings[0].channels[1].1;
         match format.gain {
@@ -291,7 +292,26 @@ fn a_zero_that_is_another_one_is_said() {
     folder.write("log.csv", servo.log().lines().map(shifted).collect::<String>());
     let said = proposed(&folder, "dynamixel-x", &arm()).unwrap().of_driver().join("\n");
     assert!(said.contains("its limits are -2.80 and 2.80: unit, sign or zero may be others"), "{said}");
-    assert!(said.contains("offset_deg = -180"), "{said}");
+    assert!(said.contains("offset_deg = [-180, ...]"), "{said}");
+}
+
+/// What the driver says of the zero acts: with the offset positions lie within the limits.
+#[test]
+fn an_offset_of_the_transmission_sets_the_zero_of_servos() {
+    let folder = Folder::new();
+    let servo = Format { per_radian: COUNTS, first: 1, ..format("", "present_position_#", "present_current_#", "") };
+    folder.write("log.csv", servo.log());
+    let offset = "urdf = \"arm.urdf\"\n[transmission]\noffset_deg = [-180, -180, -180]\n";
+    folder.write("arm.toml", offset);
+    folder.write("arm.urdf", std::fs::read(project("examples/arm/arm.urdf")).unwrap());
+    let robot = RobotSource::read(&folder.at("arm.toml")).unwrap();
+    let proposal = proposed(&folder, "dynamixel-x", &robot).unwrap();
+    assert!(proposal.of_driver().iter().any(|line| line.contains("contradicts")), "{:?}", proposal.of_driver());
+    let text = proposal.text().replace("gain = []", "gain = [1, 1, 1]");
+    let experiment = Experiment::from_texts(Path::new("e.toml"), text, robot.to_text()).unwrap();
+    let positions = &experiment.recordings(folder.path()).unwrap()[0].position;
+    let [q, _] = motion(57, 0);
+    assert!((positions.sample(57)[0] - (q - std::f64::consts::PI)).abs() < 1e-9, "{}", positions.sample(57)[0]);
 }
 
 /// The motors of a quadruped are numbered in another order than the joints of a description of one leg.

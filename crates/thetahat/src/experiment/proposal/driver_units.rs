@@ -13,7 +13,7 @@ use super::{
 };
 use std::f64::consts::TAU;
 use thetahat_data::recording::{Dimension, Side, Unit};
-use thetahat_ground::one_or_each::OneOrEach;
+use thetahat_ground::{one_or_each::OneOrEach, series::Series};
 use thetahat_model::robot::{Joint, JointKind};
 
 /// By how much a position may exceed a limit of its joint before it is said, rad or m.
@@ -97,15 +97,29 @@ impl Units<'_, '_> {
 
     /// Positions that no joint can have, or that lie outside of the limits of one.
     fn position_out_of_range(&self, columns: &[SelectedColumn<'_>], measured: &Measured) -> Option<String> {
-        if measured.side == Side::Motor || measured.gain.is_some() {
+        if measured.gain.is_some() {
             return None;
         }
-        let channels = columns.iter().flat_map(|c| c.channels).zip(&self.joints).enumerate();
-        channels.into_iter().find_map(|(number, (channel, joint))| {
-            let ends = [channel.min?, channel.max?].map(|end| end * measured.to_si(number));
-            let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
-            outside(joint, low, high)
-        })
+        let channels = columns.iter().flat_map(|c| c.channels).enumerate();
+        let ends = channels.map(|(n, channel)| Some([channel.min?, channel.max?].map(|end| end * measured.to_si(n))));
+        let ends: Vec<[f64; 2]> = ends.collect::<Option<_>>()?;
+        let ends = match measured.side {
+            Side::Joint => ends,
+            Side::Motor => self.after_the_gears(&ends),
+        };
+        let joints = ends.iter().zip(&self.joints);
+        joints.into_iter().find_map(|([a, b], joint)| outside(joint, a.min(*b), a.max(*b)))
+    }
+
+    /// The ends of the joints' motions from those of the motors'; empty if a motor moves several joints.
+    fn after_the_gears(&self, ends: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        let transmission = &self.robot.transmission;
+        if transmission.ratios().is_none() || ends.len() != transmission.joints() {
+            return Vec::new();
+        }
+        let of_motors: Vec<f64> = [0, 1].into_iter().flat_map(|end| ends.iter().map(move |ends| ends[end])).collect();
+        let joints = transmission.joint_positions(&Series::shaped(ends.len(), of_motors));
+        (0..ends.len()).map(|j| [0, 1].map(|end| joints.sample(end)[j])).collect()
     }
 }
 

@@ -157,6 +157,29 @@ pub enum ProposalError {
         /// What it is.
         problem: &'static str,
     },
+    /// The times start again: a file of two recordings.
+    #[error(
+        "{}: the times in column {column:?} start again at sample {sample} counted from 0: these are two recordings; write the samples \
+         from there on into a file of their own, and name both: --recording FIRST --recording SECOND", file.display()
+    )]
+    TimeRestarts {
+        /// The file.
+        file: PathBuf,
+        /// The column.
+        column: String,
+        /// The first sample of the second recording.
+        sample: usize,
+    },
+    /// As many units were stated as the signal has no channels.
+    #[error("{found} units are stated for the {signal}; expected one for all, or one for each of {joints} joints")]
+    UnitCount {
+        /// `position` or `torque`.
+        signal: &'static str,
+        /// The units stated.
+        found: usize,
+        /// Number of joints.
+        joints: usize,
+    },
     /// The rate that was stated is not that of the times.
     #[error("{}: a rate of {stated} Hz is stated, but the times in column {column:?} say {found:.6} Hz", file.display())]
     RateContradictsTimes {

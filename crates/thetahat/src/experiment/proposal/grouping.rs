@@ -34,12 +34,13 @@ pub(super) fn groups(offers: &[Offer<'_>], joints: usize) -> Result<Vec<Group>, 
     }
     let partners = Partners { offers, positions: &positions };
     let has_torques = offers.iter().any(|offer| offer.torque.is_ok());
+    let is_unclear = offers.iter().any(|offer| offer.has_unclear_torques(joints));
     let has_reference = offers.iter().any(|offer| offer.reference.is_some());
     let mut groups = Vec::new();
     for &position in &positions {
         let torque = match offers[position].torque {
             Ok(_) => Some(position),
-            Err(_) if !has_torques && has_reference => None,
+            Err(_) if !has_torques && has_reference && !is_unclear => None,
             Err(_) if torques.is_empty() => return Err(no_signal(offers, joints, "torque", |o| &o.torque)),
             Err(_) => Some(partners.torque_of(position, &torques)?),
         };

@@ -5,6 +5,7 @@ use super::{
     columns,
     error::ProposalError,
     request::{ProposalRequest, is_named},
+    set_aside::parted,
     source::{SelectedColumn, Source, channels},
     units::Units,
 };
@@ -159,7 +160,9 @@ impl<'a> Search<'_, 'a> {
             false => asked.iter().any(|argument| is_named(argument, &column.name)),
         };
         let of_file = |source: &Source<'a>| {
-            source.columns_of(&names, &source.columns().filter(|column| is_of(source, column)).collect::<Vec<_>>())
+            let columns: Vec<&ColumnSummary> = source.columns().filter(|column| is_of(source, column)).collect();
+            let columns = if asked.is_empty() { parted(source, self.robot, signal, columns).0 } else { columns };
+            source.columns_of(&names, &columns)
         };
         self.sources.iter().map(of_file).filter(|of| of.iter().any(Option::is_some)).collect()
     }

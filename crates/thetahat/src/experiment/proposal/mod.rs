@@ -10,6 +10,7 @@
 //! | `source` | a file with the table of it that is used |
 //! | `joint_names`, `joints` | which column is of which joint; joints that the log lacks are locked |
 //! | `standing` | joints that stand in all recordings, which are locked as well |
+//! | `set_aside` | columns that look like a signal next to those of its measurement: limits, external torques, copies |
 //! | `columns` | which columns of a file hold a signal, by their names or the file's |
 //! | `offer` | what each file offers |
 //! | `grouping` | which files are of one recording |
@@ -20,6 +21,7 @@
 //! | `units` | units and sides, by names and ranges |
 //! | `clock` | times or a rate |
 //! | `recordings` | each recording as it is to be described |
+//! | `recorded` | the positions that a file has of a robot's joints, for a prediction |
 //! | `filter` | the filter chosen from the recordings |
 //! | `text` | the proposal as data, and as the text of an experiment file |
 
@@ -37,8 +39,10 @@ mod joints;
 mod named;
 mod of_driver;
 mod offer;
+mod recorded;
 mod recordings;
 mod request;
+mod set_aside;
 mod source;
 mod standing;
 mod stated;
@@ -51,6 +55,7 @@ pub use control::ProposedControl;
 pub use error::ProposalError;
 pub use files::ProposalFiles;
 pub use joints::ProposedLock;
+pub(super) use recorded::recorded_positions;
 pub use recordings::propose;
 #[doc(hidden)]
 pub use recordings::propose_for_motion;

@@ -1,8 +1,12 @@
 use super::{
+    columns,
     error::ProposalError,
     joints::JointsOfLog,
+    request::ProposalRequest,
     source::{SelectedColumn, Source, channels},
 };
+use thetahat_model::robot::Robot;
+
 /// The columns that the user named for a signal.
 pub(super) struct Named<'s, 'a> {
     signal: &'static str,
@@ -71,6 +75,28 @@ impl<'s, 'a> Named<'s, 'a> {
         }
         if columns.is_empty() { Err(self.entries[0].column.unwrap_or_default()) } else { Ok(columns) }
     }
+}
+
+/// The request with the columns of each group that was named for a signal in the place of the group: a name that columns begin with.
+pub(super) fn with_groups(request: &ProposalRequest, sources: &[Source<'_>], robot: &Robot) -> ProposalRequest {
+    let columns = |arguments: &[String]| arguments.iter().flat_map(|a| of_group(a, sources, robot)).collect();
+    ProposalRequest { position: columns(&request.position), torque: columns(&request.torque), ..request.clone() }
+}
+
+/// The columns of the group that an argument names, or the argument.
+fn of_group(argument: &str, sources: &[Source<'_>], robot: &Robot) -> Vec<String> {
+    let Entry { file, column } = entry(argument, sources);
+    let asked: Vec<&Source<'_>> =
+        sources.iter().enumerate().filter(|(n, _)| file.is_none_or(|of| of == *n)).map(|(_, s)| s).collect();
+    let named = || vec![argument.to_owned()];
+    let Some(column) = column.filter(|name| asked.iter().all(|source| source.column(name).is_none())) else {
+        return named();
+    };
+    let groups = asked.iter().map(|source| columns::of_group(source, robot, column));
+    let found = groups.into_iter().find(|columns| !columns.is_empty()).unwrap_or_default();
+    let file = &argument[..argument.len() - column.len()];
+    let names: Vec<String> = found.iter().map(|column| format!("{file}{}", column.name)).collect();
+    if names.is_empty() { named() } else { names }
 }
 
 /// What an argument means: `NAME`, `FILE` or `FILE:NAME`.

@@ -1,13 +1,17 @@
 //! What is said of the driver that wrote the log: what it means by torque, and where the log differs from it.
 
 use super::{
-    super::{column_names::Signal, driver::Driver},
+    super::{
+        column_names::Signal,
+        driver::{Driver, DriverColumns},
+    },
     clock::RATE_TOLERANCE,
     error::ProposalError,
     request::ProposalRequest,
     source::Source,
     text::{ProposedDriver, ProposedRecording},
 };
+use thetahat_data::recording::Contents;
 use thetahat_model::robot::RobotSource;
 
 /// The names of the robot's joints, which stand in the names of a driver's columns; empty without a driver.
@@ -18,6 +22,44 @@ pub(super) fn joint_names(request: &ProposalRequest, robot: &RobotSource) -> Res
     let robot = robot.robot_without_transmission();
     let robot = robot.map_err(|error| ProposalError::Robot { problem: error.to_string() })?;
     Ok(robot.coordinates().map(|joint| joint.name.clone()).collect())
+}
+
+/// The drivers that have the names of positions, torques and references of a log for which none was named; none if too many do.
+pub(super) fn likely_drivers(request: &ProposalRequest, contents: &[Contents]) -> Vec<String> {
+    const FEW: usize = 2;
+    let needed = [Signal::Position, Signal::Torque, Signal::Reference];
+    if request.driver.is_some() || !(request.position.is_empty() && request.torque.is_empty()) {
+        return Vec::new();
+    }
+    let has = |driver: &Driver| {
+        contents.iter().flat_map(|of| &of.tables).any(|table| {
+            let names: Vec<&str> = table.columns.iter().map(|c| c.name.as_str()).collect();
+            let columns = DriverColumns::of(driver, &names, &[]);
+            needed.into_iter().all(|signal| columns.has(signal))
+        })
+    };
+    let presets = Driver::presets().unwrap_or_default();
+    let found: Vec<String> = presets.into_iter().filter(has).map(|driver| driver.name).collect();
+    if found.len() > FEW { Vec::new() } else { found }
+}
+
+/// An error about columns with the drivers that have them.
+pub(super) fn with_drivers(error: ProposalError, drivers: &[String]) -> ProposalError {
+    match error {
+        ProposalError::UnclearColumns { file, signal, problem, joints, columns } if !drivers.is_empty() => {
+            let problem = format!("{problem}; {}", said_of(drivers));
+            ProposalError::UnclearColumns { file, signal, problem, joints, columns }
+        }
+        error => error,
+    }
+}
+
+/// That a log may be of a driver.
+pub(super) fn said_of(drivers: &[String]) -> String {
+    let names = drivers.join(" or ");
+    format!(
+        "the names are those of the driver {names}: where it wrote the log, --from {names} knows what its torques are"
+    )
 }
 
 /// That some file has columns of the driver, other than times.

@@ -24,6 +24,16 @@ pub(super) struct Offer<'a> {
 }
 
 impl Offer<'_> {
+    /// Whether columns look like torques, at least one for each joint, and it is not clear which are meant.
+    pub(super) fn has_unclear_torques(&self, joints: usize) -> bool {
+        let is_torque = |c: &ColumnSummary| {
+            let is_void = c.statistics.iter().all(|channel| channel.min.is_none());
+            !is_void && self.source.reading(&c.name).is_some_and(|reading| reading.signal == Signal::Torque)
+        };
+        let found: usize = self.source.columns().filter(|c| is_torque(c)).map(|c| c.channels).sum();
+        self.torque.is_err() && found >= joints
+    }
+
     /// Whether nothing in the file is of use but times.
     pub(super) fn is_empty(&self) -> bool {
         self.position.is_err() && self.torque.is_err() && self.velocity.is_none() && self.reference.is_none()
@@ -115,14 +125,15 @@ fn without_void(columns: Vec<SelectedColumn<'_>>) -> Result<Vec<SelectedColumn<'
     }
 }
 
-/// The table with the most columns of the signals needed, the first of equals.
+/// The table with the most columns of the signals needed, that of the most samples of equals, or else the first.
 fn chosen_table<'a>(request: &ProposalRequest, contents: &'a Contents) -> Option<&'a TableSummary> {
     let wanted = |c: &&ColumnSummary| {
         let named = request.position.iter().chain(&request.torque).any(|name| is_named(name, &c.name));
         let read = column_names::read(&c.name);
         named || matches!(read, Some(r) if matches!(r.signal, Signal::Position | Signal::Torque))
     };
-    let score = |t: &&TableSummary| t.columns.iter().filter(wanted).count();
+    let is_numeric = |c: &&ColumnSummary| c.not_numeric.is_none();
+    let score = |t: &&TableSummary| (t.columns.iter().filter(is_numeric).filter(wanted).count(), t.samples);
     contents.tables.iter().rev().max_by_key(score)
 }
 

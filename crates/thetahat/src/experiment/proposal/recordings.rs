@@ -3,13 +3,16 @@ use std::{collections::BTreeMap, path::PathBuf};
 use super::{
     super::column_names::Signal,
     clock::clock,
+    columns,
     control::control,
     error::ProposalError,
     grouping::{Group, groups},
     joints::{JointsOfLog, rounded},
-    of_driver::{self, joint_names},
+    named::with_groups,
+    of_driver::{self, joint_names, likely_drivers, with_drivers},
     offer::{Offer, offers, sources, tables},
     request::ProposalRequest,
+    set_aside::SetAside,
     source::{SelectedColumn, Source},
     standing::standing,
     stated::Stated,
@@ -36,7 +39,8 @@ pub fn propose(
     description: &RobotSource,
     contents: &[Contents],
 ) -> Result<Proposal, ProposalError> {
-    Ok(proposed(request, description, contents)?.0)
+    let proposed = proposed(request, description, contents);
+    Ok(proposed.map_err(|error| with_drivers(error, &likely_drivers(request, contents)))?.0)
 }
 
 /// [`propose`] with the joints locked that stand in all recordings: nothing of their own can be identified.
@@ -48,15 +52,16 @@ pub fn propose_for_motion(
     description: &RobotSource,
     contents: &[Contents],
 ) -> Result<Proposal, ProposalError> {
-    let (proposal, standing) = proposed(request, description, contents)?;
+    let proposed_of = |request: &ProposalRequest| proposed(request, description, contents);
+    let (proposal, standing) =
+        proposed_of(request).map_err(|error| with_drivers(error, &likely_drivers(request, contents)))?;
     if standing.is_empty() {
         return Ok(proposal);
     }
     let mut locked = request.locked.clone();
     locked.extend(standing.iter().map(|(joint, [least, most])| (joint.clone(), rounded(0.5 * (least + most)))));
     // A robot that cannot be locked there is proposed as a whole.
-    let Ok((mut with_locks, _)) = proposed(&ProposalRequest { locked, ..request.clone() }, description, contents)
-    else {
+    let Ok((mut with_locks, _)) = proposed_of(&ProposalRequest { locked, ..request.clone() }) else {
         return Ok(proposal);
     };
     for lock in &mut with_locks.locks {
@@ -76,6 +81,9 @@ fn proposed(
     let tables = tables(request, contents, &joint_names(request, description)?);
     let sources = sources(request, contents, &tables);
     of_driver::require_columns(request, &sources)?;
+    let whole = description.robot_without_transmission();
+    let whole = whole.map_err(|error| ProposalError::Robot { problem: error.to_string() })?;
+    let request = &with_groups(request, &sources, &whole);
     let joints = JointsOfLog::find(request, description, &sources)?;
     let robot = &joints.robot;
     let offers = offers(request, &joints, &sources)?;
@@ -83,16 +91,19 @@ fn proposed(
     let proposed = |group: &Group| Describer { request, robot, offers: &offers, group }.recording(groups.len() > 1);
     let recordings = groups.iter().map(proposed).collect::<Result<Vec<_>, _>>()?;
     let rate_hz = recordings.iter().map(|r| r.clock.rate_hz).fold(f64::INFINITY, f64::min);
+    let set_aside = set_aside(request, &sources, robot, &recordings);
     let first = offers[groups[0].position].source.file.display();
     let more = if contents.len() > 1 { format!(" and {} more", contents.len() - 1) } else { String::new() };
     let proposal = Proposal {
         title: format!("{}: {first}{more}", robot.name),
         robot_file: request.robot_file.clone(),
         locks: joints.locks.clone(),
-        unused: unused(&sources, &recordings),
+        unused: unused(&sources, &recordings, &set_aside),
+        set_aside,
         unused_files: unused_files(&sources, &recordings),
         control: groups.iter().any(|g| g.torque.is_none()).then(|| control(request, &sources, robot)),
         driver: of_driver::proposed(request, &sources, &recordings),
+        likely_drivers: likely_drivers(request, contents),
         recordings,
         stated: Stated::of(request),
         signal: ProposedSignal::usual(rate_hz).with_window(request.window_s),
@@ -100,8 +111,33 @@ fn proposed(
     Ok((proposal, standing(request, &joints, &offers, &groups)))
 }
 
+/// Columns that were set aside in the files that are used, by why.
+fn set_aside(
+    request: &ProposalRequest,
+    sources: &[Source<'_>],
+    robot: &Robot,
+    recordings: &[ProposedRecording],
+) -> Vec<SetAside> {
+    let of_signal = |source: &Source<'_>, signal: Signal, named: &[String]| match named {
+        [] => columns::measured(source, robot, signal).1,
+        [..] => Vec::new(),
+    };
+    let of_source = |source: &Source<'_>| {
+        let position = of_signal(source, Signal::Position, &request.position);
+        [position, of_signal(source, Signal::Torque, &request.torque)].concat()
+    };
+    let mut found: Vec<SetAside> = Vec::new();
+    for one in sources.iter().filter(|source| uses(recordings, source)).flat_map(of_source) {
+        match found.iter_mut().find(|known| known.why == one.why) {
+            Some(known) => known.columns.extend(one.columns),
+            None => found.push(one),
+        }
+    }
+    found
+}
+
 /// Columns of signals that are not used in the proposal, of the files that are.
-fn unused(sources: &[Source<'_>], recordings: &[ProposedRecording]) -> Vec<String> {
+fn unused(sources: &[Source<'_>], recordings: &[ProposedRecording], set_aside: &[SetAside]) -> Vec<String> {
     let used: Vec<&ProposedChannels> = recordings.iter().flat_map(used_channels).collect();
     let is_used = |name: &String| {
         let mut columns = used.iter().flat_map(|channels| &channels.columns);
@@ -109,7 +145,9 @@ fn unused(sources: &[Source<'_>], recordings: &[ProposedRecording]) -> Vec<Strin
     };
     let of_source = |source: &Source<'_>| {
         let is_signal = |name: &String| source.reading(name).is_some_and(|r| r.signal != Signal::Time);
-        source.names().into_iter().filter(|name| is_signal(name) && !is_used(name)).collect::<Vec<_>>()
+        let is_set_aside = |name: &String| set_aside.iter().any(|set_aside| set_aside.columns.contains(name));
+        let of_signals = source.names().into_iter().filter(is_signal);
+        of_signals.filter(|name| !is_used(name) && !is_set_aside(name)).collect::<Vec<_>>()
     };
     sources.iter().filter(|source| uses(recordings, source)).flat_map(of_source).collect()
 }

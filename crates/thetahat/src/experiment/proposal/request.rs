@@ -3,6 +3,7 @@ use std::{collections::BTreeMap, path::PathBuf};
 use crate::experiment::driver::Driver;
 use thetahat_data::recording::{Side, Unit};
 use thetahat_estimation::identification::Method;
+use thetahat_ground::one_or_each::OneOrEach;
 
 /// The files of a proposal, and what the user has stated.
 #[derive(Debug, Clone, Default)]
@@ -23,10 +24,10 @@ pub struct ProposalRequest {
     pub time: Option<String>,
     /// Samples per second, where there is no time column.
     pub sample_rate_hz: Option<f64>,
-    /// The unit of the positions; `None` to find it from the names or the range.
-    pub position_unit: Option<Unit>,
-    /// The unit of the torques; `None` to find it from the names.
-    pub torque_unit: Option<Unit>,
+    /// The unit of the positions, or that of each joint; `None` to find it from the names or the range.
+    pub position_unit: Option<OneOrEach<Unit>>,
+    /// The unit of the torques, likewise; `None` to find it from the names.
+    pub torque_unit: Option<OneOrEach<Unit>>,
     /// The side of the gears on which positions and torques were measured; `None` to find it from the names or the range.
     pub side: Option<Side>,
     /// Gains of the position controller, one for all motors or one for each, N m/rad: for a log without torques.

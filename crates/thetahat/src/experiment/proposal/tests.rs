@@ -3,6 +3,7 @@ use std::path::Path;
 use super::*;
 use thetahat_data::recording::{Side, Unit, inspect_with_time};
 use thetahat_estimation::identification::Method;
+use thetahat_ground::one_or_each::OneOrEach;
 use thetahat_model::robot::RobotSource;
 
 const ARM: &str = "name = 'arm'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n[[joint]]\nname = 'b'\nkind = 'revolute'\n";
@@ -380,8 +381,11 @@ fn guesses_are_listed() {
         guesses.len() == 2 && guesses[0].starts_with("position: ") && guesses[1].contains("we assumed N m"),
         "{guesses:?}"
     );
-    let stated =
-        ProposalRequest { position_unit: Some(Unit::Radian), torque_unit: Some(Unit::NewtonMetre), ..request() };
+    let stated = ProposalRequest {
+        position_unit: Some(Unit::Radian.into()),
+        torque_unit: Some(Unit::NewtonMetre.into()),
+        ..request()
+    };
     assert!(proposed_from(&[("log.csv", "t,q1,q2,tau1,tau2")], stated, ARM).unwrap().guesses().is_empty());
 }
 
@@ -442,7 +446,7 @@ fn a_unit_that_was_filled_is_a_guess() {
 /// A stated unit is that of the joints that have such; the others keep the one in their names.
 #[test]
 fn a_stated_unit_leaves_joints_of_the_other_kind_theirs() {
-    let stated = ProposalRequest { position_unit: Some(Unit::Radian), ..request() };
+    let stated = ProposalRequest { position_unit: Some(Unit::Radian.into()), ..request() };
     let header = "t,q1 [deg],q2 [mm],q3 [deg],tau1,tau2,tau3";
     let proposal = proposed_from(&[("log.csv", header)], stated, SCARA).unwrap();
     let units = proposal.recordings[0].channels[0].1.unit.given();
@@ -461,7 +465,7 @@ fn a_unit_that_is_none_is_refused_and_not_replaced() {
         "log.csv: column \"q2 [deg]\" is written in deg, an angle, and joint `b` slides"
     );
     assert!(error("t,q1,q2 [A],q3,tau1,tau2,tau3").contains("\"A\", which is no unit of a position"));
-    let stated = ProposalRequest { torque_unit: Some(Unit::NewtonMetre), ..request() };
+    let stated = ProposalRequest { torque_unit: Some(Unit::NewtonMetre.into()), ..request() };
     assert!(proposed_from(&[("log.csv", "t,q1,q2,q3,tau1,tau2,tau3 [Nm/rad]")], stated, SCARA).is_ok());
     let text = proposed("t,q1,q2,dq1 [g],dq2 [g],tau1,tau2", request()).unwrap();
     assert!(text.contains("\n# velocity = {") && text.contains("is written in \"g\""), "{text}");
@@ -560,7 +564,7 @@ fn a_file_of_commands_is_the_reference_and_unused_columns_are_listed() {
         proposal.guesses()
     );
     let expected = "Not used, as no signal of a joint that is identified: left_temperature.csv.";
-    assert_eq!(proposal.not_used().as_deref(), Some(expected));
+    assert_eq!(proposal.not_used(), [expected]);
     assert!(proposal.text().contains(&format!("\n# {expected}\n")));
 }
 
@@ -645,4 +649,143 @@ fn the_side_is_that_of_the_values() {
     let geared = format!("{ARM}[transmission]\nmatrix = [[100, 0], [0, 100]]\n");
     let text = proposed_from(&[("log.csv", "t,mot_pos_1,mot_pos_2,tau1,tau2")], request(), &geared).unwrap().text();
     assert!(!text.contains("side = \"motor\""), "{text}");
+}
+
+/// The first columns of positions, torques and references of a log with this first line.
+fn picked(header: &str) -> [Option<String>; 3] {
+    let proposal = proposed_from(&[("log.csv", header)], request(), ARM).unwrap();
+    let channels = &proposal.recordings[0].channels;
+    let first = |signal: &str| channels.iter().find(|(name, _)| *name == signal).map(|(_, c)| c.columns[0].clone());
+    ["position", "torque", "reference"].map(first)
+}
+
+#[test]
+fn columns_next_to_the_measurement_are_set_aside() {
+    let two = |names: &[&str]| {
+        let each = names.iter().flat_map(|name| [1, 2].map(|number| name.replace('#', &number.to_string())));
+        format!("t,{}", each.collect::<Vec<_>>().join(","))
+    };
+    for (names, position, torque) in [
+        (&["q_#", "q_des_#", "tau_#", "tau_ext_#"][..], "q_1", "tau_1"),
+        (&["q_#", "measured_torque_#", "external_torque_#"], "q_1", "measured_torque_1"),
+        (&["q_#", "q_min_#", "q_max_#", "tau_#", "tau_max_#"], "q_1", "tau_1"),
+        (&["q_#", "q_error_#", "q_std_#", "tau_#", "tau_std_#"], "q_1", "tau_1"),
+        (&["q_#", "torque_#", "current_#", "voltage_#"], "q_1", "torque_1"),
+        (&["q_#", "current_#", "voltage_#"], "q_1", "current_1"),
+        (&["pos_#", "pos_raw_#", "effort_#", "effort_raw_#"], "pos_1", "effort_1"),
+        (&["q_raw_#", "q_filtered_#", "tau_#"], "q_raw_1", "tau_1"),
+        (&["x_#", "q_#", "tau_#", "tau_model_#", "tau_friction_#"], "q_1", "tau_1"),
+    ] {
+        let found = picked(&two(names));
+        assert_eq!((found[0].as_deref(), found[1].as_deref()), (Some(position), Some(torque)), "{names:?}");
+    }
+}
+
+/// The shorter names of commands hold those of the joints as well.
+#[test]
+fn the_state_is_the_position_and_the_action_its_reference() {
+    let header = "t,action.a.pos,action.b.pos,observation.state.a.pos,observation.state.b.pos,a.effort,b.effort";
+    let [position, _, reference] = picked(header);
+    assert_eq!(position.as_deref(), Some("observation.state.a.pos"));
+    assert_eq!(reference.as_deref(), Some("action.a.pos"));
+}
+
+#[test]
+fn what_is_set_aside_is_said() {
+    let header = "t,q_1,q_2,tau_1,tau_2,tau_ext_1,tau_ext_2";
+    let proposal = proposed_from(&[("log.csv", header)], request(), ARM).unwrap();
+    let said = "Not used, as external torques, without those of the robot's own dynamics: tau_ext_1 tau_ext_2.";
+    assert_eq!(proposal.not_used(), [said]);
+    assert!(proposal.text().contains(&format!("\n# {said}\n")));
+    let alone = proposed_from(&[("log.csv", "t,q_1,q_2,tau_ext_1,tau_ext_2")], request(), ARM).unwrap();
+    assert!(alone.guesses().iter().any(|guess| guess.contains("The names say external torques")));
+}
+
+/// A word that a joint's name has sets no column aside.
+#[test]
+fn a_joint_s_name_is_none_of_a_kind() {
+    let robot = ARM.replace("'a'", "'finger_ext'").replace("'b'", "'thumb_ext'");
+    let header = "t,finger_ext.pos,thumb_ext.pos,finger_ext.tau,thumb_ext.tau,wrist.tau,palm.tau";
+    let proposal = proposed_from(&[("log.csv", header)], request(), &robot).unwrap();
+    assert_eq!(proposal.recordings[0].channels[1].1.columns, ["finger_ext.tau", "thumb_ext.tau"]);
+}
+
+/// A log whose torques are not clear has torques: it is none of positions and commands.
+#[test]
+fn torques_that_are_not_clear_are_asked_for() {
+    let error = proposed("t,q1,q2,q1_ref,q2_ref,tau_a1,tau_a2,tau_b1,tau_b2", request()).unwrap_err();
+    assert!(matches!(error, ProposalError::UnclearColumns { signal: "torque", .. }), "{error}");
+    assert!(error.to_string().contains("4 columns look like it"), "{error}");
+}
+
+#[test]
+fn a_group_of_columns_is_named_by_what_their_names_begin_with() {
+    let named = ProposalRequest { position: vec!["state".into()], torque: vec!["cur".into()], ..request() };
+    let proposal = proposed_from(&[("log.csv", "t,cmd.b,cmd.a,state.b,state.a,cur1,cur2")], named, ARM).unwrap();
+    let columns = |n: usize| proposal.recordings[0].channels[n].1.columns.clone();
+    assert_eq!(
+        (columns(0), columns(1)),
+        (vec!["state.a".into(), "state.b".into()], vec!["cur1".into(), "cur2".into()])
+    );
+    let other = ProposalRequest { position: vec!["stat".into()], ..request() };
+    let error = proposed("t,state.a,state.b,tau1,tau2", other).unwrap_err();
+    assert!(matches!(error, ProposalError::NoSuchColumn { .. }), "{error}");
+}
+
+/// The file takes a list of units, and so does the request.
+#[test]
+fn units_may_be_stated_for_each_joint() {
+    let header = "t,q1,q2,q3,tau1,tau2,tau3";
+    let stated = |units: Vec<Unit>| ProposalRequest { position_unit: Some(OneOrEach::Each(units)), ..request() };
+    let of_each = vec![Unit::Degree, Unit::Millimetre, Unit::Radian];
+    let proposal = proposed_from(&[("log.csv", header)], stated(of_each.clone()), SCARA).unwrap();
+    assert_eq!(proposal.recordings[0].channels[0].1.unit, OneOrEach::Each(of_each));
+    let error = proposed_from(&[("log.csv", header)], stated(vec![Unit::Degree; 2]), SCARA).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "2 units are stated for the position; expected one for all, or one for each of 3 joints"
+    );
+}
+
+/// An array of motors of which not all are connected.
+#[test]
+fn motors_that_are_always_zero_are_left_out() {
+    let folder = thetahat_testing::Folder::new();
+    let row = |k: usize| {
+        let [a, b] = [0.1, 0.13].map(|w: f64| (w * k as f64).sin());
+        format!("{},{a},{b},0,{b},{a},0\n", 1e-3 * k as f64)
+    };
+    let header = "t,m[0].q,m[1].q,m[2].q,m[0].tau,m[1].tau,m[2].tau\n";
+    folder.write("log.csv", header.to_owned() + &(0..300).map(row).collect::<String>());
+    let contents = [inspect_with_time(&folder.at("log.csv"), None).unwrap()];
+    let robot = RobotSource::from_text(ARM.to_owned(), Path::new("arm.toml")).unwrap();
+    let proposal = propose(&request(), &robot, &contents).unwrap();
+    assert_eq!(proposal.recordings[0].channels[0].1.columns, ["m[0].q", "m[1].q"]);
+}
+
+/// Two takes in one file have no clock.
+#[test]
+fn times_that_start_again_are_two_recordings() {
+    let folder = thetahat_testing::Folder::new();
+    let row = |k: usize| format!("{},{q},{q},{q},{q}\n", 1e-3 * (k % 300) as f64, q = (0.1 * k as f64).sin());
+    folder.write("log.csv", "t,q1,q2,tau1,tau2\n".to_owned() + &(0..600).map(row).collect::<String>());
+    let contents = [inspect_with_time(&folder.at("log.csv"), None).unwrap()];
+    let robot = RobotSource::from_text(ARM.to_owned(), Path::new("arm.toml")).unwrap();
+    let error = propose(&request(), &robot, &contents).unwrap_err();
+    assert!(
+        error.to_string().contains("start again at sample 300 counted from 0: these are two recordings"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_driver_that_has_the_names_of_a_log_is_named() {
+    let of = |signal: &str| (0..2).map(|j| format!("{signal}_{j}")).collect::<Vec<_>>().join(",");
+    let header = ["q", "q_d", "tau_J", "tau_J_d", "theta", "tau_ext_hat_filtered"].map(of).join(",");
+    let proposal = proposed_from(&[("log.csv", &format!("t,{header}"))], request(), ARM).unwrap();
+    assert_eq!(proposal.recordings[0].channels[0].1.columns, ["q_0", "q_1"]);
+    assert!(proposal.of_driver().iter().any(|line| line.contains("--from franka")), "{:?}", proposal.of_driver());
+    let unclear = header.replace("theta", "pos");
+    let error = proposed(&format!("t,{unclear}"), request()).unwrap_err().to_string();
+    assert!(error.contains("--from franka"), "{error}");
 }

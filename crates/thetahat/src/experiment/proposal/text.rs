@@ -1,6 +1,6 @@
 use std::{fmt::Write as _, path::PathBuf};
 
-use super::{control::ProposedControl, joints::ProposedLock, stated::Stated};
+use super::{control::ProposedControl, joints::ProposedLock, of_driver::said_of, set_aside::SetAside, stated::Stated};
 use thetahat_data::recording::{Side, Unit};
 use thetahat_ground::{one_or_each::OneOrEach, output::PROPOSAL, visible::visible};
 use thetahat_report::results::{Filter, FilterChoice};
@@ -33,6 +33,9 @@ pub struct Proposal {
     /// Filters, decimation and window.
     pub signal: ProposedSignal,
     pub(super) stated: Stated,
+    pub(super) set_aside: Vec<SetAside>,
+    /// Drivers that may have written the log, where none was named.
+    pub(super) likely_drivers: Vec<String>,
 }
 
 /// What is known of the driver that wrote the log.
@@ -221,7 +224,13 @@ impl Proposal {
     /// What is known of the driver that wrote the log, and what in it contradicts that, a sentence each.
     #[must_use]
     pub fn of_driver(&self) -> Vec<String> {
-        let Some(driver) = &self.driver else { return Vec::new() };
+        let Some(driver) = &self.driver else {
+            let is_known = !self.likely_drivers.is_empty();
+            return is_known
+                .then(|| visible(&format!("Note: {}.", said_of(&self.likely_drivers))).into_owned())
+                .into_iter()
+                .collect();
+        };
         let contradictions =
             driver.contradictions.iter().map(|what| format!("The log contradicts the driver: {what}."));
         let sources = driver.sources.iter().map(|source| format!("Source: {source}"));
@@ -247,19 +256,20 @@ impl Proposal {
             + &lines
     }
 
-    /// What is not used of the recordings: files, and columns of signals; `None` if all is used.
+    /// What is not used of the recordings, a sentence for each reason: files, and columns of signals.
     #[must_use]
-    pub fn not_used(&self) -> Option<String> {
+    pub fn not_used(&self) -> Vec<String> {
         let files = self.unused_files.iter().map(|file| file.display().to_string());
         let all: Vec<String> = files.chain(self.unused.iter().cloned()).collect();
-        let more = all.len().saturating_sub(SHOWN);
-        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        let shown = visible(&all[..all.len().min(SHOWN)].join(" ")).into_owned();
-        (!all.is_empty()).then(|| format!("Not used, as no signal of a joint that is identified: {shown}{more}."))
+        let others = [("no signal of a joint that is identified", &all)];
+        let set_aside = self.set_aside.iter().map(|set_aside| (set_aside.why, &set_aside.columns));
+        let not_empty = set_aside.chain(others).filter(|(_, names)| !names.is_empty());
+        not_empty.map(|(why, names)| format!("Not used, as {why}: {}.", shortened(names))).collect()
     }
 
     fn unused_text(&self) -> String {
-        self.not_used().map(|text| format!("\n# {text}\n")).unwrap_or_default()
+        let lines: String = self.not_used().iter().map(|line| format!("# {line}\n")).collect();
+        if lines.is_empty() { lines } else { format!("\n{lines}") }
     }
 
     fn files(&self) -> String {
@@ -321,6 +331,13 @@ impl ProposedChannels {
             unit_text(&self.unit),
         )
     }
+}
+
+/// The first of some names, and how many more there are.
+fn shortened(names: &[String]) -> String {
+    let more = names.len().saturating_sub(SHOWN);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    visible(&names[..names.len().min(SHOWN)].join(" ")).into_owned() + &more
 }
 
 fn unit_text(unit: &OneOrEach<Unit>) -> String {

@@ -3,6 +3,7 @@ use super::{
     error::ProposalError,
     gains::{gain_of_position, gain_of_torque},
     request::ProposalRequest,
+    set_aside::says_external,
     source::{SelectedColumn, Source},
     unit_names::{Misfit, NamedUnits, fits, hint_of_file, matching, named_units, require_units_of_joints},
 };
@@ -70,12 +71,12 @@ pub(super) struct Units<'u, 'a> {
 
 impl Units<'_, '_> {
     pub(super) fn of_position(&self, columns: &[SelectedColumn<'_>]) -> Result<Measured, ProposalError> {
-        if let (None, Some(of_driver)) = (self.request.position_unit, self.of_driver(Signal::Position, columns)) {
+        if let (None, Some(of_driver)) = (&self.request.position_unit, self.of_driver(Signal::Position, columns)) {
             return Ok(of_driver);
         }
         let named = self.named(Signal::Position, columns);
-        match (self.request.position_unit, named) {
-            (Some(unit), named) => Ok(self.on_a_side(self.stated(unit, named), columns, "as stated")),
+        match (&self.request.position_unit, named) {
+            (Some(unit), named) => Ok(self.on_a_side(self.stated("position", unit, named)?, columns, "as stated")),
             (None, Err(misfit)) => Err(self.refused("position", misfit)),
             (None, Ok(None)) => Ok(self.guessed_position(columns)),
             (None, Ok(Some(NamedUnits { units, why, counts }))) => {
@@ -93,7 +94,7 @@ impl Units<'_, '_> {
         columns: &[SelectedColumn<'_>],
         position: &Measured,
     ) -> Result<Measured, ProposalError> {
-        if let (None, Some(of_driver)) = (self.request.torque_unit, self.of_driver(Signal::Torque, columns)) {
+        if let (None, Some(of_driver)) = (&self.request.torque_unit, self.of_driver(Signal::Torque, columns)) {
             return Ok(of_driver);
         }
         let is_drive = self.has_drive_gain() && self.request.torque_unit.is_none() && !self.says_torque(columns);
@@ -103,8 +104,8 @@ impl Units<'_, '_> {
             (Side::Joint | Side::Motor, _) => Side::Motor,
         };
         let named = self.named(Signal::Torque, columns);
-        let (units, why, counts) = match (self.request.torque_unit, named) {
-            (Some(unit), named) => (self.stated(unit, named), "as stated".to_owned(), None),
+        let (units, why, counts) = match (&self.request.torque_unit, named) {
+            (Some(unit), named) => (self.stated("torque", unit, named)?, "as stated".to_owned(), None),
             (None, Err(misfit)) => return Err(self.refused("torque", misfit)),
             (None, Ok(Some(NamedUnits { units, why, counts }))) => (units, why.to_owned(), counts),
             (None, Ok(None)) if is_drive => {
@@ -145,6 +146,11 @@ impl Units<'_, '_> {
 
     /// Why torques are taken for torques that no name of a column says to be any.
     fn why_torque(&self, columns: &[SelectedColumn<'_>]) -> String {
+        if columns.iter().any(|column| says_external(&column.name)) {
+            return "a guess: the log does not say. The names say external torques, and those lack the robot's own dynamics: \
+                    they identify nothing. Name measured torques with --torque if the log has any"
+                .to_owned();
+        }
         match hint_of_file(&self.source, Signal::Torque, columns) {
             Some(unit) if matches!(unit.dimension(), Dimension::Torque | Dimension::Force) => {
                 format!(
@@ -177,8 +183,19 @@ impl Units<'_, '_> {
         named_units(signal, columns, &self.kinds())
     }
 
-    /// The unit that the user stated; joints of the other kind have the one of their names, or SI.
-    fn stated(&self, unit: Unit, named: Result<Option<NamedUnits>, Misfit>) -> Vec<Unit> {
+    /// The units that the user stated for each joint; of one for all, joints of the other kind have the one of their names, or SI.
+    fn stated(
+        &self,
+        signal: &'static str,
+        unit: &OneOrEach<Unit>,
+        named: Result<Option<NamedUnits>, Misfit>,
+    ) -> Result<Vec<Unit>, ProposalError> {
+        let joints = self.joints.len();
+        let unit = match unit {
+            OneOrEach::One(unit) => *unit,
+            OneOrEach::Each(units) if units.len() == joints => return Ok(units.clone()),
+            OneOrEach::Each(units) => return Err(ProposalError::UnitCount { signal, found: units.len(), joints }),
+        };
         let named = named.ok().flatten().map(|named| named.units);
         let of_name = |channel: usize, kind| {
             named.as_ref().and_then(|units| units.get(channel).copied()).filter(|unit| fits(*unit, kind))
@@ -187,7 +204,7 @@ impl Units<'_, '_> {
             true => unit,
             false => of_name(channel, kind).unwrap_or_else(|| matching(unit, kind)),
         };
-        self.kinds().into_iter().enumerate().map(of_kind).collect()
+        Ok(self.kinds().into_iter().enumerate().map(of_kind).collect())
     }
 
     fn guessed_position(&self, columns: &[SelectedColumn<'_>]) -> Measured {

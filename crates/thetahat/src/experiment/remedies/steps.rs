@@ -151,7 +151,15 @@ impl Draft<'_> {
                 let mut changes = Vec::new();
                 for (signal, factors) in [(RemedySignal::Position, position), (RemedySignal::Torque, torque)] {
                     if !factors.is_empty() {
-                        changes.extend(self.of_signals(target, step, signal, &|channels| channels.scaled(factors))?);
+                        let scaled = |channels: &Channels<'_>| {
+                            let mut entries = channels.scaled(factors)?;
+                            // Masses do not distinguish mN m from mA.
+                            let is_guess =
+                                signal == RemedySignal::Torque && entries.iter().any(|(key, _)| *key == "unit");
+                            entries.extend(is_guess.then(|| ("unit_guessed", Some(Value::from(true)))));
+                            Some(entries)
+                        };
+                        changes.extend(self.of_signals(target, step, signal, &scaled)?);
                     }
                 }
                 Some(changes)

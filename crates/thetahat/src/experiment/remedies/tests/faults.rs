@@ -4,7 +4,7 @@ use super::twin::{Log, RATE_HZ, STILL_AT, Twin, largest_difference, largest_erro
 use crate::{Experiment, Results, experiment::ExperimentError};
 use thetahat_estimation::{checks::Code, signal::delayed};
 use thetahat_ground::series::Series;
-use thetahat_report::results::{RecordingStep, Remedy, RemedySignal, RemedyStep};
+use thetahat_report::results::{RecordingStep, Remedy, RemedySignal, RemedyStep, Verdict};
 
 const KEYS: &str = "[signal]\ncutoff_hz = 15\ndecimation = 8\n\n[estimation]\nmethods = [\"idim-ls\"]\n";
 
@@ -130,8 +130,19 @@ fn degrees_get_their_unit() {
 #[test]
 fn torques_a_thousand_times_too_large_get_their_unit() {
     let fault = |log: &mut Log| log.torque.values_mut().iter_mut().for_each(|t| *t *= 1e3);
-    let (before, _) = mended(fault, &["a-priori-scale"], SAME);
+    let (before, after) = mended(fault, &["a-priori-scale"], SAME);
     assert_eq!(remedy(&before, "a-priori-scale").label, "Unit of torque: mN m");
+    let is_said = after.verdict_reasons.iter().any(|reason| reason.text.contains("the unit of the torque is a guess"));
+    assert!(is_said && after.verdict == Some(Verdict::Care), "{:?}", after.verdict_reasons);
+}
+
+/// A current in mA of 1.4 N m/A has no unit that the masses show.
+#[test]
+fn torques_that_are_currents_get_no_unit() {
+    let twin = Twin::new().with(|log| log.torque.values_mut().iter_mut().for_each(|t| *t *= 700.0));
+    let results = twin.run(&twin.experiment(KEYS));
+    assert!(results.findings.iter().flat_map(|r| &r.findings).any(|f| f.code == Code::APrioriScale));
+    assert!(codes(&results).is_empty(), "{:?}", codes(&results));
 }
 
 #[test]
