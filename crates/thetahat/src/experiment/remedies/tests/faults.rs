@@ -204,7 +204,7 @@ fn a_spring_that_nobody_described_gets_its_term() {
     let after = twin.remedied(&experiment, &before, &["joint-spring-3"]);
     let run = after.runs.first().unwrap();
     let stiffness = run.parameters.iter().find(|p| p.name == "k3").unwrap();
-    let [low, high] = stiffness.interval_95;
+    let [low, high] = stiffness.interval_95.unwrap();
     assert!(low < 5.0 && 5.0 < high && high - low < 1.0, "{stiffness:?}");
     assert!(codes(&after).is_empty(), "{:?}", codes(&after));
 }
