@@ -126,7 +126,7 @@ pub(super) fn is_restart(time: &[f64], sample: usize) -> bool {
     let Some(after) = time.get(sample..sample + RESTART) else { return false };
     let length = time[sample - 1] - time[before];
     let back = time[sample - 1] - time[sample];
-    // After a misplaced sample the times go on as before it.
+    // The time after a misplaced sample is near the one before it.
     let goes_on = after[1] - after[0] < 0.5 * back;
     rises(&time[before..sample]) && rises(after) && back >= length && goes_on
 }
