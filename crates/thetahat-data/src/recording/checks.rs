@@ -125,7 +125,10 @@ pub(super) fn is_restart(time: &[f64], sample: usize) -> bool {
     let rises = |times: &[f64]| times.windows(2).all(|pair| pair[1] > pair[0]);
     let Some(after) = time.get(sample..sample + RESTART) else { return false };
     let length = time[sample - 1] - time[before];
-    rises(&time[before..sample]) && rises(after) && time[sample - 1] - time[sample] >= length
+    let back = time[sample - 1] - time[sample];
+    // The time after a misplaced sample is near the one before it.
+    let goes_on = after[1] - after[0] < 0.5 * back;
+    rises(&time[before..sample]) && rises(after) && back >= length && goes_on
 }
 
 fn require_uniform(time: &[f64], step: f64, file: &Path, column: &str) -> Result<(), RecordingError> {
@@ -178,6 +181,17 @@ mod tests {
         let mut time = times(10);
         time[10] = f64::INFINITY;
         assert!(matches!(rate(&time), Err(RecordingError::NotFiniteSample { sample: 10, .. })));
+    }
+
+    #[test]
+    fn two_takes_are_no_misplaced_sample() {
+        let takes: Vec<f64> = (0..400).map(|k| 1e-3 * f64::from(k % 200)).collect();
+        let error = require_increasing(&takes, Path::new("log.csv"), "t").unwrap_err();
+        assert!(matches!(error, RecordingError::TimeRestarts { sample: 200, .. }), "{error}");
+        let mut misplaced: Vec<f64> = (0..400).map(|k| 1e-3 * f64::from(k)).collect();
+        misplaced[200] = 0.01;
+        let error = require_increasing(&misplaced, Path::new("log.csv"), "t").unwrap_err();
+        assert!(matches!(error, RecordingError::TimeNotIncreasing { sample: 200, .. }), "{error}");
     }
 
     #[test]

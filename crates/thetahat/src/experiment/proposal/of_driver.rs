@@ -44,14 +44,11 @@ pub(super) fn likely_drivers(request: &ProposalRequest, contents: &[Contents]) -
 }
 
 /// An error about columns with the drivers that have them.
-pub(super) fn with_drivers(error: ProposalError, drivers: &[String]) -> ProposalError {
-    match error {
-        ProposalError::UnclearColumns { file, signal, problem, joints, columns } if !drivers.is_empty() => {
-            let problem = format!("{problem}; {}", said_of(drivers));
-            ProposalError::UnclearColumns { file, signal, problem, joints, columns }
-        }
-        error => error,
+pub(super) fn with_drivers(mut error: ProposalError, drivers: &[String]) -> ProposalError {
+    if let (false, ProposalError::UnclearColumns { problem, .. }) = (drivers.is_empty(), &mut error) {
+        *problem = format!("{problem}; {}", said_of(drivers));
     }
+    error
 }
 
 /// That a log may be of a driver.
