@@ -21,7 +21,7 @@ use thetahat_report::{
 use crate::{
     arguments::{Arguments, Check, Command, Compare, Identify, Model, Output, Predict, Sensitivity, Simulate},
     campaign, design, export, generate,
-    inputs::{read_experiment, threads},
+    inputs::{read_experiment, results_file, threads},
     progress::{Counter, Progress},
     proposal, reduction, remedied, shell,
     shown::{Remark, show},
@@ -126,11 +126,6 @@ fn compare_with_prediction(request: &Compare, predicted: &Path) -> Result<Ending
         print(&format!("\nwritten: {}\n", path.display()))?;
     }
     Ok(Ending::Good)
-}
-
-/// The `results.json` of a folder, or the file itself.
-pub fn results_file(path: &Path) -> PathBuf {
-    if path.is_dir() { path.join("results.json") } else { path.to_owned() }
 }
 
 fn identify_experiment(identify: &Identify) -> Result<Ending, Box<dyn Error>> {

@@ -10,6 +10,11 @@ use thetahat::Experiment;
 
 use crate::arguments::Described;
 
+/// The `results.json` of a folder, or the file itself.
+pub fn results_file(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join("results.json") } else { path.to_owned() }
+}
+
 /// The experiment, and the folder of its data.
 pub fn read_experiment(described: &Described) -> Result<(Experiment, PathBuf), Box<dyn Error>> {
     read_described(&described.experiment, described.data.as_deref(), described.robot.as_deref())

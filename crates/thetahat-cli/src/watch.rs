@@ -24,7 +24,7 @@ use thetahat_report::{
 
 use crate::{
     arguments,
-    commands::results_file,
+    inputs::results_file,
     terminal::{Ending, print, width},
 };
 

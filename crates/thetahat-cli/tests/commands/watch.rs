@@ -53,7 +53,8 @@ static IDENTIFIED: LazyLock<Folder> = LazyLock::new(|| {
     folder.write("log.csv", record(18.0, 0.0));
     folder.write("same.csv", record(30.0, 0.0));
     folder.write("more.csv", record(35.0, 0.1));
-    shown(&run(PROGRAM, folder.path(), ["identify", "experiment.toml", "--out", "out"]));
+    let identified = run(PROGRAM, folder.path(), ["identify", "experiment.toml", "--out", "out"]);
+    assert!(folder.path().join("out/results.json").exists(), "{}", shown(&identified));
     folder
 });
 

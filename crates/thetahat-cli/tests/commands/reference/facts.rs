@@ -54,7 +54,7 @@ pub const FINDINGS: [[&str; 4]; 43] = [
     [
         "position-zero",
         "problem, warning",
-        "ratio for the transmission's offsets added or subtracted ({checks/torque/hypotheses COMMON_LIMIT}); a warning where the middle of a joint's motion lies outside its limits",
+        "ratio for the transmission's offsets added or subtracted ({checks/torque/hypotheses COMMON_LIMIT}); a warning where the middle of a joint's motion lies outside its limits by more than {checks/motion/position_range BEYOND} of its span",
         "check `offset_deg`, and whether the positions include it already",
     ],
     [

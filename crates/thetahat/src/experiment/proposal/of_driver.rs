@@ -9,7 +9,7 @@ use super::{
     error::ProposalError,
     request::ProposalRequest,
     source::Source,
-    text::{ProposedDriver, ProposedRecording},
+    text::{ProposedDriver, ProposedRecording, said_of},
 };
 use thetahat_data::recording::Contents;
 use thetahat_model::robot::RobotSource;
@@ -49,14 +49,6 @@ pub(super) fn with_drivers(mut error: ProposalError, drivers: &[String]) -> Prop
         *problem = format!("{problem}; {}", said_of(drivers));
     }
     error
-}
-
-/// That a log may be of a driver.
-pub(super) fn said_of(drivers: &[String]) -> String {
-    let names = drivers.join(" or ");
-    format!(
-        "the names are those of the driver {names}: where it wrote the log, --from {names} knows what its torques are"
-    )
 }
 
 /// That some file has columns of the driver, other than times.

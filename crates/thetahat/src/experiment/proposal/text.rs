@@ -1,6 +1,6 @@
 use std::{fmt::Write as _, path::PathBuf};
 
-use super::{control::ProposedControl, joints::ProposedLock, of_driver::said_of, set_aside::SetAside, stated::Stated};
+use super::{control::ProposedControl, joints::ProposedLock, set_aside::SetAside, stated::Stated};
 use thetahat_data::recording::{Side, Unit};
 use thetahat_ground::{one_or_each::OneOrEach, output::PROPOSAL, visible::visible};
 use thetahat_report::results::{Filter, FilterChoice};
@@ -365,4 +365,12 @@ fn quoted_key(name: &str) -> String {
 /// A TOML string.
 fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
+}
+
+/// That a log may be of a driver.
+pub(super) fn said_of(drivers: &[String]) -> String {
+    let names = drivers.join(" or ");
+    format!(
+        "the names are those of the driver {names}: where it wrote the log, --from {names} knows what its torques are"
+    )
 }

@@ -64,9 +64,11 @@ fn remedies(
     let moved = all.iter().filter(is_lock).map(|candidate| candidate.code.clone()).filter(|code| count(code) != used);
     let moved: Vec<String> = moved.collect();
     all.retain(|candidate| !moved.contains(&candidate.code));
-    // What the checks correct already the model does not correct again.
+    // What the checks correct already the model does not correct again, and of wrong data it has no causes.
     let known: Vec<String> = all.iter().map(|candidate| candidate.code.clone()).collect();
-    all.extend(of_causes(experiment, causes).into_iter().filter(|candidate| !known.contains(&candidate.code)));
+    let is_wrong = findings.iter().flat_map(|r| &r.findings).any(|f| f.severity == Severity::Problem);
+    let causes = if is_wrong { Vec::new() } else { of_causes(experiment, causes) };
+    all.extend(causes.into_iter().filter(|candidate| !known.contains(&candidate.code)));
     let mut codes: Vec<String> = Vec::new();
     for candidate in &all {
         if !codes.contains(&candidate.code) {

@@ -28,7 +28,7 @@ pub(super) fn label(step: &RemedyStep, changes: &[SettingChange], robot: &Robot)
         }
         RemedyStep::Delay { delay_s, joints } => {
             let order = if *delay_s > 0.0 { "late" } else { "early" };
-            let joints: Vec<String> = joints.iter().map(|&j| number(j).to_string()).collect();
+            let joints: Vec<String> = joints.iter().map(|&j| number(j - 1).to_string()).collect();
             let of = if joints.is_empty() { String::new() } else { format!(" of joint {}", joints.join(", ")) };
             format!("Torque{of} {} ms {order}", significant(1e3 * delay_s.abs(), 3))
         }
