@@ -1,8 +1,26 @@
-//! The derivatives of the predicted torque by errors of the base, of the torque sensors and drives, and by springs.
+//! Causes whose columns are one signal of one joint: errors of torque sensors and drives, delays, springs; and a tilted base.
 
 use super::torques::{STEP, Torques};
+use thetahat_ground::series::Series;
 use thetahat_ground::vector::{IDENTITY, axis_angle, norm, times};
 use thetahat_model::{dynamics::Model, robot::Robot};
+
+/// Signals of all joints in the tested rows; none where a filter fails.
+#[derive(Default)]
+pub(super) struct SignalRows {
+    /// The predicted torques.
+    pub(super) torque: Option<Vec<f64>>,
+    /// The derivative of the torques by their delay.
+    pub(super) late: Option<Vec<f64>>,
+    /// The same of the smoothed torques, an instrument.
+    pub(super) smoothed_late: Option<Vec<f64>>,
+    /// What a motor constant that falls with the square of the torque adds to a recorded torque.
+    pub(super) cube: Option<Vec<f64>>,
+    /// The torques of springs whose rest is anywhere, which the offsets take.
+    pub(super) position: Option<Vec<f64>>,
+    /// Viscous friction that is larger in one direction.
+    pub(super) speed: Option<Vec<f64>>,
+}
 
 impl Torques<'_> {
     /// Whether the base may be tilted about an axis of its frame: about the two that are furthest from gravity.
@@ -19,25 +37,48 @@ impl Torques<'_> {
         self.difference(STEP, |r| self.of(&model, self.standard, &r.motion, r))
     }
 
-    /// The torque of one joint in that of another.
-    pub(super) fn crosstalk(&self, from: usize, into: usize) -> Option<Vec<f64>> {
-        self.of_predicted(into, |torques| torques[from])
+    pub(super) fn signals(&self) -> SignalRows {
+        SignalRows {
+            torque: self.column(self.predicted.clone()),
+            late: self.column(self.slopes(&self.predicted)),
+            smoothed_late: self.smoothed().and_then(|torques| self.column(self.slopes(&torques))),
+            cube: self.column(self.cubes()),
+            position: self.each(|r, k, j| r.motion.q.sample(k)[j]),
+            speed: self.each(|r, k, j| r.motion.dq.sample(k)[j].abs()),
+        }
     }
 
-    /// A recorded torque that is too large by a part that grows with its square, which is one at the largest torque.
-    pub(super) fn falling_constant(&self, joint: usize) -> Option<Vec<f64>> {
-        let torques = self.predicted.iter().flat_map(|p| (0..p.len()).map(|k| p.sample(k)[joint].abs()));
-        let largest = torques.fold(f64::MIN_POSITIVE, f64::max);
-        self.of_predicted(joint, |torques| torques[joint] * (torques[joint] / largest).powi(2))
+    /// Each predicted torque times its square, which is one at the joint's largest torque.
+    fn cubes(&self) -> Vec<Series> {
+        let mut largest = vec![f64::MIN_POSITIVE; self.joints()];
+        for torque in &self.predicted {
+            for k in 0..torque.len() {
+                largest.iter_mut().zip(torque.sample(k)).for_each(|(most, t)| *most = most.max(t.abs()));
+            }
+        }
+        let mut cubes = self.predicted.clone();
+        for cube in &mut cubes {
+            for k in 0..cube.len() {
+                cube.sample_mut(k).iter_mut().zip(&largest).for_each(|(t, most)| *t *= (*t / most).powi(2));
+            }
+        }
+        cubes
     }
 
-    /// Viscous friction that is larger in one direction.
-    pub(super) fn asymmetric(&self, joint: usize) -> Option<Vec<f64>> {
-        self.each(|r, k, j| if j == joint { r.motion.dq.sample(k)[joint].abs() } else { 0.0 })
+    /// The rows of one joint; those of the others are zero.
+    pub(super) fn of_joint(&self, rows: &Option<Vec<f64>>, joint: usize) -> Option<Vec<f64>> {
+        self.moved(rows, joint, joint)
     }
 
-    /// A spring whose rest is anywhere, which the torque's offset takes.
-    pub(super) fn spring(&self, joint: usize) -> Option<Vec<f64>> {
-        self.each(|r, k, j| if j == joint { r.motion.q.sample(k)[joint] } else { 0.0 })
+    /// The rows of one joint as those of another; all others are zero.
+    pub(super) fn moved(&self, rows: &Option<Vec<f64>>, from: usize, into: usize) -> Option<Vec<f64>> {
+        let rows = rows.as_ref()?;
+        let layout = &self.tested.rows.layout;
+        let mut moved = vec![0.0; rows.len()];
+        for recording in 0..layout.recordings() {
+            let [source, target] = [from, into].map(|joint| layout.block(joint, recording));
+            moved[target].copy_from_slice(&rows[source]);
+        }
+        Some(moved)
     }
 }

@@ -1,6 +1,6 @@
 //! The derivatives of the predicted torque by what can be wrong.
 
-use super::{cause::Cause, tested_rows::TestedRows};
+use super::{cause::Cause, derivatives::SignalRows, tested_rows::TestedRows};
 use crate::{
     preparation::{FilteredRecording, Problem},
     run::identification::Identification,
@@ -29,6 +29,8 @@ const SMOOTHING_ORDER: usize = 4;
 /// Compliance of the difference for elastic joints, rad per N m.
 const COMPLIANCE: f64 = 1e-6;
 
+/// Joints up to which crosstalk is tested between all pairs, whose number grows with the square; of more between neighbours.
+const ALL_PAIRS: usize = 8;
 /// Names of the axes of a frame.
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -56,14 +58,14 @@ enum Tried {
 pub(super) struct Torques<'a> {
     identification: &'a Identification,
     problem: &'a Problem,
-    tested: &'a TestedRows<'a>,
+    pub(super) tested: &'a TestedRows<'a>,
     pub(super) standard: &'a [f64],
     sign: Sign,
     pub(super) robot: &'a Robot,
     /// Of each recording, with the model as it is.
     pub(super) predicted: Vec<Series>,
-    /// The same without the noise that the loop brings into both the motion and the torques.
-    smoothed: Option<Vec<Series>>,
+    /// Signals of all joints in the tested rows, of which those of one joint are a cause's column.
+    signals: SignalRows,
 }
 
 impl<'a> Torques<'a> {
@@ -75,19 +77,19 @@ impl<'a> Torques<'a> {
         sign: Sign,
     ) -> Option<Self> {
         let robot = identification.setup().robot;
-        let (predicted, smoothed) = (Vec::new(), None);
-        let mut torques = Self { identification, problem, tested, standard, sign, robot, predicted, smoothed };
+        let (predicted, signals) = (Vec::new(), SignalRows::default());
+        let mut torques = Self { identification, problem, tested, standard, sign, robot, predicted, signals };
         let predicted = |r: &FilteredRecording| torques.of(&torques.problem.model, standard, &r.motion, r);
         torques.predicted = torques.recordings().map(predicted).collect::<Option<Vec<_>>>()?;
-        torques.smoothed = torques.smoothed();
+        torques.signals = torques.signals();
         Some(torques)
     }
 
-    fn recordings(&self) -> impl Iterator<Item = &'a FilteredRecording> {
+    pub(super) fn recordings(&self) -> impl Iterator<Item = &'a FilteredRecording> {
         self.identification.main.iter().map(|p| &p.filtered)
     }
 
-    fn joints(&self) -> usize {
+    pub(super) fn joints(&self) -> usize {
         self.problem.model.coordinate_count()
     }
 
@@ -115,7 +117,7 @@ impl<'a> Torques<'a> {
     }
 
     /// A column in the tested rows, from the torques of each recording.
-    fn column(&self, torques: Vec<Series>) -> Option<Vec<f64>> {
+    pub(super) fn column(&self, torques: Vec<Series>) -> Option<Vec<f64>> {
         Some(self.tested.select(self.column_of_all(&torques)?))
     }
 
@@ -186,90 +188,79 @@ impl<'a> Torques<'a> {
             tried.extend((0..joints).map(|j| Tried::LateTorque(Some(j))));
         }
         tried.extend((0..3).filter(|&axis| self.can_tilt_about(axis)).map(Tried::Gravity));
-        let others = |from: usize| (0..joints).filter(move |&into| into != from);
+        let is_near = |from: usize, into: usize| joints <= ALL_PAIRS || from.abs_diff(into) == 1;
+        let others = |from: usize| (0..joints).filter(move |&into| into != from && is_near(from, into));
         tried.extend((0..joints).flat_map(|from| others(from).map(move |into| Tried::Crosstalk([from, into]))));
         tried.extend((0..joints).flat_map(|j| [Tried::FallingConstant(j), Tried::Spring(j), Tried::Asymmetric(j)]));
         tried
     }
 
     fn cause(&self, tried: Tried) -> Option<Cause> {
-        let joint = |j: usize| format!("joint {}", j + 1);
-        let nothing = String::new;
-        let (kind, subject, unit, columns) = match tried {
-            Tried::LateTorque(j) => {
-                (CauseKind::LateTorque, j.map_or_else(nothing, joint), "s", vec![self.slope(&self.predicted, j)])
-            }
-            Tried::LoadFriction => (CauseKind::LoadFriction, nothing(), "", self.load_friction()),
-            Tried::SpeedFriction => (CauseKind::SpeedFriction, nothing(), "", self.speed_friction()),
-            Tried::FrictionDrift => (CauseKind::FrictionDrift, nothing(), "", self.friction_drift()),
-            Tried::OffsetDrift => (CauseKind::OffsetDrift, nothing(), "", self.offset_drift()),
-            Tried::Zero(j) => {
-                let unit = if self.kind(j) == JointKind::Revolute { "rad" } else { "m" };
-                (CauseKind::EncoderZero, joint(j), unit, vec![self.moved_zero(j)])
-            }
-            Tried::Gear(j) => (CauseKind::GearRatio, joint(j), "", vec![self.gear(j)]),
-            Tried::DriveGain(j) => (CauseKind::DriveGain, joint(j), "", vec![self.drive_gain(j)]),
-            Tried::Elastic(j) => (CauseKind::Elasticity, joint(j), "rad/(N m)", vec![self.elastic(j)]),
-            Tried::Length(k, axis) => {
-                let subject = format!("link {k} along {}", AXES[axis]);
-                (CauseKind::Length, subject, "m", vec![self.length(k, axis)])
-            }
-            Tried::Coupling(j) => {
-                (CauseKind::Coupling, format!("joints {} and {}", j + 1, j + 2), "", self.coupling(j))
-            }
-            Tried::Gravity(axis) => {
-                (CauseKind::GravityDirection, format!("about {}", AXES[axis]), "rad", vec![self.tilt(axis)])
-            }
-            Tried::Crosstalk([from, into]) => {
-                let subject = format!("joint {} in joint {}", from + 1, into + 1);
-                (CauseKind::Crosstalk, subject, "", vec![self.crosstalk(from, into)])
-            }
-            Tried::FallingConstant(j) => (CauseKind::FallingConstant, joint(j), "", vec![self.falling_constant(j)]),
-            Tried::Asymmetric(j) => {
-                let unit = if self.kind(j) == JointKind::Revolute { "N m s/rad" } else { "N s/m" };
-                (CauseKind::AsymmetricFriction, joint(j), unit, vec![self.asymmetric(j)])
-            }
-            Tried::Spring(j) => {
-                let unit = if self.kind(j) == JointKind::Revolute { "N m/rad" } else { "N/m" };
-                (CauseKind::JointSpring, joint(j), unit, vec![self.spring(j)])
-            }
-        };
-        let columns = columns.into_iter().collect::<Option<Vec<_>>>().filter(|c| !c.is_empty())?;
-        let instrument = match tried {
-            Tried::LateTorque(j) => self.smoothed.as_ref().and_then(|torques| self.slope(torques, j)),
-            Tried::LoadFriction
-            | Tried::SpeedFriction
-            | Tried::FrictionDrift
-            | Tried::OffsetDrift
-            | Tried::Zero(_)
-            | Tried::Gear(_)
-            | Tried::DriveGain(_)
-            | Tried::Elastic(_)
-            | Tried::Length(..)
-            | Tried::Coupling(_)
-            | Tried::Gravity(_)
-            | Tried::Crosstalk(_)
-            | Tried::FallingConstant(_)
-            | Tried::Spring(_)
-            | Tried::Asymmetric(_) => None,
-        };
+        let (kind, subject, unit) = self.named(tried);
+        let columns = self.columns(tried).into_iter().collect::<Option<Vec<_>>>().filter(|c| !c.is_empty())?;
+        let instrument = if let Tried::LateTorque(j) = tried { self.late_instrument(j) } else { None };
         Some(Cause { kind, subject, unit, columns, instrument, members: Vec::new() })
+    }
+
+    /// Kind, subject and unit.
+    fn named(&self, tried: Tried) -> (CauseKind, String, &'static str) {
+        let joint = |j: usize| format!("joint {}", j + 1);
+        let all = String::new;
+        let unit = |j: usize, turns: &'static str, slides| match self.kind(j) {
+            JointKind::Revolute => turns,
+            JointKind::Prismatic => slides,
+        };
+        match tried {
+            Tried::LateTorque(j) => (CauseKind::LateTorque, j.map_or_else(all, joint), "s"),
+            Tried::LoadFriction => (CauseKind::LoadFriction, all(), ""),
+            Tried::SpeedFriction => (CauseKind::SpeedFriction, all(), ""),
+            Tried::FrictionDrift => (CauseKind::FrictionDrift, all(), ""),
+            Tried::OffsetDrift => (CauseKind::OffsetDrift, all(), ""),
+            Tried::Zero(j) => (CauseKind::EncoderZero, joint(j), unit(j, "rad", "m")),
+            Tried::Gear(j) => (CauseKind::GearRatio, joint(j), ""),
+            Tried::DriveGain(j) => (CauseKind::DriveGain, joint(j), ""),
+            Tried::Elastic(j) => (CauseKind::Elasticity, joint(j), "rad/(N m)"),
+            Tried::Length(k, axis) => (CauseKind::Length, format!("link {k} along {}", AXES[axis]), "m"),
+            Tried::Coupling(j) => (CauseKind::Coupling, format!("joints {} and {}", j + 1, j + 2), ""),
+            Tried::Gravity(axis) => (CauseKind::GravityDirection, format!("about {}", AXES[axis]), "rad"),
+            Tried::Crosstalk([from, into]) => {
+                (CauseKind::Crosstalk, format!("joint {} in joint {}", from + 1, into + 1), "")
+            }
+            Tried::FallingConstant(j) => (CauseKind::FallingConstant, joint(j), ""),
+            Tried::Spring(j) => (CauseKind::JointSpring, joint(j), unit(j, "N m/rad", "N/m")),
+            Tried::Asymmetric(j) => (CauseKind::AsymmetricFriction, joint(j), unit(j, "N m s/rad", "N s/m")),
+        }
+    }
+
+    fn columns(&self, tried: Tried) -> Vec<Option<Vec<f64>>> {
+        match tried {
+            Tried::LateTorque(None) => vec![self.signals.late.clone()],
+            Tried::LateTorque(Some(j)) => vec![self.of_joint(&self.signals.late, j)],
+            Tried::LoadFriction => self.load_friction(),
+            Tried::SpeedFriction => self.speed_friction(),
+            Tried::FrictionDrift => self.friction_drift(),
+            Tried::OffsetDrift => self.offset_drift(),
+            Tried::Zero(j) => vec![self.moved_zero(j)],
+            Tried::Gear(j) => vec![self.gear(j)],
+            Tried::DriveGain(j) => vec![self.of_joint(&self.signals.torque, j)],
+            Tried::Elastic(j) => vec![self.elastic(j)],
+            Tried::Length(k, axis) => vec![self.length(k, axis)],
+            Tried::Coupling(j) => self.coupling(j),
+            Tried::Gravity(axis) => vec![self.tilt(axis)],
+            Tried::Crosstalk([from, into]) => vec![self.moved(&self.signals.torque, from, into)],
+            Tried::FallingConstant(j) => vec![self.of_joint(&self.signals.cube, j)],
+            Tried::Spring(j) => vec![self.of_joint(&self.signals.position, j)],
+            Tried::Asymmetric(j) => vec![self.of_joint(&self.signals.speed, j)],
+        }
+    }
+
+    fn late_instrument(&self, joint: Option<usize>) -> Option<Vec<f64>> {
+        let smoothed = &self.signals.smoothed_late;
+        joint.map_or_else(|| smoothed.clone(), |j| self.of_joint(smoothed, j))
     }
 
     fn kind(&self, j: usize) -> JointKind {
         self.robot.joints[self.robot.joint_of(j)].kind
-    }
-
-    /// Torques that are d late, of one joint or of all, are `tau - d dtau/dt`, by the slope of the predicted torque, which has no noise.
-    fn slope(&self, torques: &[Series], joint: Option<usize>) -> Option<Vec<f64>> {
-        let mut slopes = self.slopes(torques);
-        let is_other = |j: usize| joint.is_some_and(|joint| joint != j);
-        for slope in &mut slopes {
-            for k in 0..slope.len() {
-                slope.sample_mut(k).iter_mut().enumerate().filter(|(j, _)| is_other(*j)).for_each(|(_, v)| *v = 0.0);
-            }
-        }
-        self.column(slopes)
     }
 
     /// The column of late torques in all rows.
@@ -277,7 +268,8 @@ impl<'a> Torques<'a> {
         self.column_of_all(&self.slopes(&self.predicted))
     }
 
-    fn slopes(&self, torques: &[Series]) -> Vec<Series> {
+    /// Torques that are d late are `tau - d dtau/dt`, by the slope of the predicted torque, which has no noise.
+    pub(super) fn slopes(&self, torques: &[Series]) -> Vec<Series> {
         let slopes = self.recordings().zip(torques).map(|(recording, torque)| {
             let mut slope = Derivative::Central.of(torque, recording.recording.sample_rate_hz);
             slope.values_mut().iter_mut().for_each(|v| *v = -*v);
@@ -286,7 +278,8 @@ impl<'a> Torques<'a> {
         slopes.collect()
     }
 
-    fn smoothed(&self) -> Option<Vec<Series>> {
+    /// The predicted torques without the noise that the loop brings into both the motion and the torques.
+    pub(super) fn smoothed(&self) -> Option<Vec<Series>> {
         let cutoff_hz = self.identification.setup().settings.signal.cutoff_hz / SMOOTHER;
         let smoothed = |(recording, torque): (&FilteredRecording, &Series)| {
             let rate = recording.recording.sample_rate_hz;
@@ -315,21 +308,6 @@ impl<'a> Torques<'a> {
             (0..torque.len()).for_each(|k| torque.sample_mut(k)[j] /= 1.0 + STEP);
             Some(torque)
         })
-    }
-
-    /// Torques that are too large by a ratio.
-    fn drive_gain(&self, joint: usize) -> Option<Vec<f64>> {
-        self.of_predicted(joint, |torques| torques[joint])
-    }
-
-    /// The column of a value of the predicted torques of a sample, in the torque of one joint.
-    pub(super) fn of_predicted(&self, joint: usize, value: impl Fn(&[f64]) -> f64) -> Option<Vec<f64>> {
-        let torques = self.predicted.iter().map(|predicted| {
-            let mut torque = Series::zeros(predicted.len(), self.joints());
-            (0..torque.len()).for_each(|k| torque.sample_mut(k)[joint] = value(predicted.sample(k)));
-            torque
-        });
-        self.column(torques.collect())
     }
 
     fn length(&self, joint: usize, axis: usize) -> Option<Vec<f64>> {
