@@ -1,26 +1,12 @@
 //! Causes whose columns are one signal of one joint: errors of torque sensors and drives, delays, springs; and a tilted base.
 
-use super::torques::{STEP, Torques};
+use super::{
+    signal_rows::SignalRows,
+    torques::{STEP, Torques},
+};
 use thetahat_ground::series::Series;
 use thetahat_ground::vector::{IDENTITY, axis_angle, norm, times};
 use thetahat_model::{dynamics::Model, robot::Robot};
-
-/// Signals of all joints in the tested rows; none where a filter fails.
-#[derive(Default)]
-pub(super) struct SignalRows {
-    /// The predicted torques.
-    pub(super) torque: Option<Vec<f64>>,
-    /// The derivative of the torques by their delay.
-    pub(super) late: Option<Vec<f64>>,
-    /// The same of the smoothed torques, an instrument.
-    pub(super) smoothed_late: Option<Vec<f64>>,
-    /// What a motor constant that falls with the square of the torque adds to a recorded torque.
-    pub(super) cube: Option<Vec<f64>>,
-    /// The torques of springs whose rest is anywhere, which the offsets take.
-    pub(super) position: Option<Vec<f64>>,
-    /// Viscous friction that is larger in one direction.
-    pub(super) speed: Option<Vec<f64>>,
-}
 
 impl Torques<'_> {
     /// Whether the base may be tilted about an axis of its frame: about the two that are furthest from gravity.

@@ -7,6 +7,7 @@
 mod cause;
 mod derivatives;
 mod residual;
+mod signal_rows;
 mod tested_rows;
 mod torques;
 

@@ -1,6 +1,6 @@
 //! The derivatives of the predicted torque by what can be wrong.
 
-use super::{cause::Cause, derivatives::SignalRows, tested_rows::TestedRows};
+use super::{cause::Cause, signal_rows::SignalRows, tested_rows::TestedRows};
 use crate::{
     preparation::{FilteredRecording, Problem},
     run::identification::Identification,

@@ -1,0 +1,18 @@
+//! Signals of which one joint's rows are the column of a cause.
+
+/// Signals of all joints in the tested rows; absent if a filter fails.
+#[derive(Default)]
+pub(super) struct SignalRows {
+    /// The predicted torques.
+    pub(super) torque: Option<Vec<f64>>,
+    /// The derivative of the torques by their delay.
+    pub(super) late: Option<Vec<f64>>,
+    /// The same of the smoothed torques, an instrument.
+    pub(super) smoothed_late: Option<Vec<f64>>,
+    /// What a motor constant that falls with the square of the torque adds to a recorded torque.
+    pub(super) cube: Option<Vec<f64>>,
+    /// The torques of springs whose rest is anywhere, which the offsets take.
+    pub(super) position: Option<Vec<f64>>,
+    /// Viscous friction that is larger in one direction.
+    pub(super) speed: Option<Vec<f64>>,
+}
