@@ -39,6 +39,13 @@ pub enum RemedyStep {
         /// The two joints.
         joints: [usize; 2],
     },
+    /// Takes the channels in another order.
+    OrderJoints {
+        /// Of what.
+        signal: RemedySignal,
+        /// For each joint the one, from one, as whose its channel is taken today.
+        order: Vec<usize>,
+    },
     /// Multiplies channels by a factor for each joint; a list that is empty leaves its signal alone.
     Scale {
         /// Factors of the positions.

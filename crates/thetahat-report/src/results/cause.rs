@@ -45,11 +45,15 @@ pub enum CauseKind {
     JointSpring,
     /// Viscous friction differs with the direction.
     AsymmetricFriction,
+    /// The recorded torques grow or fall with time: a motor warms up, a battery empties.
+    GainDrift,
+    /// A torque repeats with the position of a joint: cogging, the teeth of a gear.
+    TorqueRipple,
 }
 
 impl CauseKind {
     /// All kinds.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 19] = [
         Self::LateTorque,
         Self::EncoderZero,
         Self::GearRatio,
@@ -67,6 +71,8 @@ impl CauseKind {
         Self::FallingConstant,
         Self::JointSpring,
         Self::AsymmetricFriction,
+        Self::GainDrift,
+        Self::TorqueRipple,
     ];
 
     /// What it is, in words.
@@ -90,6 +96,8 @@ impl CauseKind {
             Self::FallingConstant => "a motor constant that falls with the torque",
             Self::JointSpring => "a spring",
             Self::AsymmetricFriction => "viscous friction that differs with the direction",
+            Self::GainDrift => "a drive gain that changes with time",
+            Self::TorqueRipple => "torque ripple",
         }
     }
 
@@ -112,7 +120,9 @@ impl CauseKind {
             | Self::FrictionDrift
             | Self::FallingConstant
             | Self::JointSpring
-            | Self::AsymmetricFriction => format!("{} of {subject}", self.words()),
+            | Self::AsymmetricFriction
+            | Self::GainDrift
+            | Self::TorqueRipple => format!("{} of {subject}", self.words()),
         }
     }
 }
@@ -186,9 +196,14 @@ impl SmallestShown {
 fn shown_in(kind: CauseKind, unit: &str) -> (f64, &str) {
     match (kind, unit) {
         (CauseKind::LateTorque, _) => (1e3, "ms"),
-        (CauseKind::GearRatio | CauseKind::DriveGain | CauseKind::Crosstalk | CauseKind::FallingConstant, _) => {
-            (100.0, "%")
-        }
+        (
+            CauseKind::GearRatio
+            | CauseKind::DriveGain
+            | CauseKind::Crosstalk
+            | CauseKind::FallingConstant
+            | CauseKind::GainDrift,
+            _,
+        ) => (100.0, "%"),
         (CauseKind::GravityDirection, _) => (180.0 / PI, "deg"),
         (CauseKind::Length, _) | (CauseKind::EncoderZero, "m") => (1e3, "mm"),
         (_, unit) => (1.0, unit),

@@ -130,6 +130,25 @@ fn torques_that_sensors_and_springs_falsify_are_named_with_their_size() {
     assert!(falling > 0.03 && falling < 0.2, "{falling}");
 }
 
+/// Torques of which those that are put in first would otherwise look like several other causes.
+#[test]
+fn torques_that_change_with_time_or_repeat_are_named() {
+    let count = recording().position.len() as f64;
+    let passed = std::cell::Cell::new(0.0);
+    let drifting = causes_of(|_, torque| {
+        passed.set(passed.get() + 1.0);
+        torque.iter_mut().for_each(|t| *t *= 1.0 + 0.1 * passed.get() / count);
+    });
+    let drift = size_of(&drifting, CauseKind::GainDrift, "");
+    assert!((drift - 0.1).abs() < 0.02, "{drift}");
+    assert_eq!(drifting[0].kind, CauseKind::GainDrift, "{drifting:?}");
+
+    let rippled = causes_of(|position, torque| torque[2] += 3.0 * (12.0 * position[2]).sin());
+    let ripple = rippled.iter().find(|c| c.kind == CauseKind::TorqueRipple).unwrap_or_else(|| panic!("{rippled:?}"));
+    let periods: f64 = ripple.subject.split_whitespace().nth(2).unwrap().parse().unwrap();
+    assert!(ripple.subject.starts_with("joint 3, ") && (periods - 12.0).abs() < 0.5, "{}", ripple.subject);
+}
+
 /// The zero of joint 2 by 0.1 rad: the cause, or a rival that the recording cannot tell from it.
 #[test]
 fn a_wrong_encoder_zero_is_among_what_is_named() {

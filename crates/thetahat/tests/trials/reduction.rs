@@ -28,6 +28,10 @@ const IV_IN_PIECES: f64 = 0.02;
 const EQUAL_INTERVALS: f64 = 1e-5;
 /// The same between reductions of one record: rounding of filters that start elsewhere, through two derivatives.
 const EQUAL_PIECES: f64 = 5e-10;
+/// Samples of a piece: at most the margin of its filters, some, and nearly all of a recording.
+const SIZES: [usize; 3] = [100, 3000, 8191];
+/// In the suite, where each size costs as much as the identification.
+const ONE_SIZE: [usize; 1] = [3000];
 
 /// An experiment with the mask that it states, or else near rest.
 fn experiment(name: &str) -> Experiment {
@@ -74,11 +78,11 @@ fn same(found: &RunResult, expected: &RunResult, tolerance: f64) -> Result<(), F
 }
 
 fn equals_identify(experiment: Experiment) -> Result<(), Failed> {
-    equals_identify_to(experiment, Some(EQUAL_MODEL))
+    equals_identify_to(experiment, Some(EQUAL_MODEL), &ONE_SIZE)
 }
 
-/// With a tolerance of the model; absent if its choice is left to chance.
-fn equals_identify_to(mut experiment: Experiment, of_model: Option<f64>) -> Result<(), Failed> {
+/// With a tolerance of the model, absent if its choice is left to chance, and in pieces of such sizes.
+fn equals_identify_to(mut experiment: Experiment, of_model: Option<f64>, sizes: &[usize]) -> Result<(), Failed> {
     experiment.settings.estimation.methods = vec![Method::IDIM_LS];
     experiment.settings.cases.clear();
     let results = experiment.run(&thetahat_testing::data(), &mut |_| {})?;
@@ -91,7 +95,7 @@ fn equals_identify_to(mut experiment: Experiment, of_model: Option<f64>) -> Resu
     same(&solved.runs[0], expected, EQUAL)?;
     same_intervals(&solved.runs[0], expected)?;
     same_verdict(&solved, &results, of_model)?;
-    for piece_samples in [100, 3000, 8191] {
+    for &piece_samples in sizes {
         let pieces = reduce(&experiment, 2, piece_samples).solve()?.results;
         same(&pieces.runs[0], &solved.runs[0], EQUAL_PIECES)?;
         same_intervals(&pieces.runs[0], expected)?;
@@ -175,9 +179,15 @@ fn same_mask(found: &Results, expected: &Results) -> Result<(), Failed> {
 }
 
 fn the_demonstration() -> Result<(), Failed> {
-    equals_identify(every_sample(Experiment::demo()?))?;
-    equals_identify(near_rest(Experiment::demo()?))?;
-    equals_identify(masked(Experiment::demo()?, Mask::Stated(StatedMask { velocity: 0.05, widened_s: 0.03 })))
+    equals_identify(near_rest(Experiment::demo()?))
+}
+
+fn the_demonstration_in_all_sizes() -> Result<(), Failed> {
+    let stated = Mask::Stated(StatedMask { velocity: 0.05, widened_s: 0.03 });
+    let near_rest = Mask::Named(NamedMask::NearRest);
+    [Mask::Named(NamedMask::None), near_rest, stated]
+        .into_iter()
+        .try_for_each(|mask| equals_identify_to(masked(Experiment::demo()?, mask), Some(EQUAL_MODEL), &SIZES))
 }
 
 /// A limit below which some joints are for more than four fifths of the time: they keep all samples, and their rows are made
@@ -191,20 +201,24 @@ fn joints_that_hardly_move() -> Result<(), Failed> {
 }
 
 fn emps() -> Result<(), Failed> {
-    equals_identify_to(experiment("emps.toml"), Some(EQUAL_REPEATED))?;
-    equals_identify_to(near_rest(experiment("emps.toml")), Some(EQUAL_REPEATED))
+    equals_identify_to(experiment("emps.toml"), Some(EQUAL_REPEATED), &SIZES)?;
+    equals_identify_to(near_rest(experiment("emps.toml")), Some(EQUAL_REPEATED), &SIZES)
 }
 
 /// With torques that hold and without samples near rest.
 fn emps_aligned() -> Result<(), Failed> {
     let experiment = experiment("emps_aligned.toml");
     ensure(experiment.settings.signal.mask == Mask::Named(NamedMask::NearRest), "a mask near rest")?;
-    equals_identify_to(experiment, Some(EQUAL_REPEATED))
+    equals_identify_to(experiment, Some(EQUAL_REPEATED), &SIZES)
 }
 
 fn tx40() -> Result<(), Failed> {
-    equals_identify(experiment("tx40_paper.toml"))?;
     equals_identify(near_rest(experiment("tx40_paper.toml")))
+}
+
+fn tx40_in_all_sizes() -> Result<(), Failed> {
+    let paper = || experiment("tx40_paper.toml");
+    [paper(), near_rest(paper())].into_iter().try_for_each(|e| equals_identify_to(e, Some(EQUAL_MODEL), &SIZES))
 }
 
 fn tx40_essential() -> Result<(), Failed> {
@@ -222,8 +236,8 @@ fn tx40_moving_part() -> Result<(), Failed> {
 
 /// Its errors repeat, and its transitions predict within 0.1 % of one another: the choice between them differs.
 fn kuka() -> Result<(), Failed> {
-    equals_identify_to(every_sample(experiment("kuka_lwr4.toml")), None)?;
-    equals_identify_to(near_rest(experiment("kuka_lwr4.toml")), None)
+    equals_identify_to(every_sample(experiment("kuka_lwr4.toml")), None, &ONE_SIZE)?;
+    equals_identify_to(near_rest(experiment("kuka_lwr4.toml")), None, &ONE_SIZE)
 }
 
 /// Instruments from the last iterate before the end of an identification give its estimate.
@@ -354,6 +368,8 @@ pub fn all_trials() -> Vec<Trial> {
     trials.extend(each_night(thetahat_testing::trials_on_shared_data(
         &DATA,
         vec![
+            ("the demonstration, in all sizes", the_demonstration_in_all_sizes),
+            ("TX40, in all sizes", tx40_in_all_sizes),
             ("TX40, essential parameters", tx40_essential),
             ("TX40, moving part", tx40_moving_part),
             ("IV of the demonstration", iv_of_the_demonstration),

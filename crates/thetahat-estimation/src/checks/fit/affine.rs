@@ -39,12 +39,19 @@ impl Affine {
 
     /// Positions of coordinates `a` and `b` exchanged.
     pub(in crate::checks) fn exchanged_positions(n: usize, a: usize, b: usize) -> Self {
-        Self { position: permutation(n, a, b), ..Self::identity(n) }
+        Self { position: exchange(n, a, b), ..Self::identity(n) }
     }
 
     /// Torques of coordinates `a` and `b` exchanged.
     pub(in crate::checks) fn exchanged_torques(n: usize, a: usize, b: usize) -> Self {
-        Self { torque: permutation(n, a, b), ..Self::identity(n) }
+        Self { torque: exchange(n, a, b), ..Self::identity(n) }
+    }
+
+    /// Torques, or positions as well, in another order: those of coordinate j are in channel `order[j]`.
+    pub(in crate::checks) fn ordered(order: &[usize], signal: RemedySignal) -> Self {
+        let [position, torque] = [signal.has_position(), signal.has_torque()]
+            .map(|is_moved| if is_moved { permutation(order) } else { Matrix::identity(order.len()) });
+        Self { position, torque, shift: vec![0.0; order.len()] }
     }
 
     /// The same motors with gear ratios that are `factor` times as large: `q' = N^-1 D^-1 N (q - o) + o` and
@@ -75,7 +82,7 @@ impl Affine {
 }
 
 impl Affine {
-    /// The change of the channels that has the same effect: factors, or an exchange of two joints. `None` if it has another form, such
+    /// The change of the channels that has the same effect: factors, or another order of the joints. `None` if it has another form, such
     /// as a shift.
     pub(in crate::checks) fn step(&self) -> Option<RemedyStep> {
         if self.shift.iter().any(|s| *s != 0.0) {
@@ -87,18 +94,17 @@ impl Affine {
                 Some(RemedyStep::Scale { position, torque })
             }
             (position, torque) => {
-                let pair_of = |matrix: &Matrix, entries: &Option<Vec<f64>>| match entries {
-                    None => exchanged(matrix).map(Some),
+                let order = |matrix: &Matrix, entries: &Option<Vec<f64>>| match entries {
+                    None => order_of(matrix).map(Some),
                     Some(entries) => entries.iter().all(|e| *e == 1.0).then_some(None),
                 };
-                match (pair_of(&self.position, &position)?, pair_of(&self.torque, &torque)?) {
-                    (Some(joints), None) => Some(RemedyStep::ExchangeJoints { signal: RemedySignal::Position, joints }),
-                    (None, Some(joints)) => Some(RemedyStep::ExchangeJoints { signal: RemedySignal::Torque, joints }),
-                    (Some(joints), Some(same)) if joints == same => {
-                        Some(RemedyStep::ExchangeJoints { signal: RemedySignal::Both, joints })
-                    }
-                    (Some(_), Some(_)) | (None, None) => None,
-                }
+                let (signal, order) = match (order(&self.position, &position)?, order(&self.torque, &torque)?) {
+                    (Some(order), None) => (RemedySignal::Position, order),
+                    (None, Some(order)) => (RemedySignal::Torque, order),
+                    (Some(order), Some(same)) if order == same => (RemedySignal::Both, order),
+                    (Some(_), Some(_)) | (None, None) => return None,
+                };
+                Some(in_order(signal, &order))
             }
         }
     }
@@ -124,29 +130,34 @@ fn factors(entries: Vec<f64>) -> Vec<f64> {
     if entries.iter().all(|e| *e == 1.0) { Vec::new() } else { entries }
 }
 
-/// The two coordinates that a permutation exchanges, from one.
-fn exchanged(matrix: &Matrix) -> Option<[usize; 2]> {
+/// The order of a permutation; none of another matrix.
+fn order_of(matrix: &Matrix) -> Option<Vec<usize>> {
     let n = matrix.columns();
-    let moved: Vec<usize> = (0..n).filter(|&i| matrix.at(i, i) == 0.0).collect();
-    let [a, b] = moved[..] else { return None };
-    (*matrix == permutation(n, a, b)).then_some([a + 1, b + 1])
+    let order: Vec<usize> = (0..n).map(|i| (0..n).find(|&j| matrix.at(i, j) != 0.0)).collect::<Option<_>>()?;
+    (*matrix == permutation(&order)).then_some(order)
+}
+
+/// The step that takes channels in an order: two joints exchanged, or all as they are.
+fn in_order(signal: RemedySignal, order: &[usize]) -> RemedyStep {
+    let moved: Vec<usize> = (0..order.len()).filter(|&j| order[j] != j).collect();
+    match moved[..] {
+        [a, b] => RemedyStep::ExchangeJoints { signal, joints: [a + 1, b + 1] },
+        _ => RemedyStep::OrderJoints { signal, order: order.iter().map(|channel| channel + 1).collect() },
+    }
 }
 
 pub(in crate::checks) fn diagonal(entries: &[f64]) -> Matrix {
     Matrix::from_fn(entries.len(), entries.len(), |i, j| if i == j { entries[i] } else { 0.0 })
 }
 
-fn permutation(n: usize, a: usize, b: usize) -> Matrix {
-    let image = |i: usize| {
-        if i == a {
-            b
-        } else if i == b {
-            a
-        } else {
-            i
-        }
-    };
-    Matrix::from_fn(n, n, |i, j| if image(i) == j { 1.0 } else { 0.0 })
+fn exchange(n: usize, a: usize, b: usize) -> Matrix {
+    let mut order: Vec<usize> = (0..n).collect();
+    order.swap(a, b);
+    permutation(&order)
+}
+
+fn permutation(order: &[usize]) -> Matrix {
+    Matrix::from_fn(order.len(), order.len(), |i, j| if order[i] == j { 1.0 } else { 0.0 })
 }
 
 fn map(matrix: &Matrix, shift: &[f64], series: &Series) -> Series {

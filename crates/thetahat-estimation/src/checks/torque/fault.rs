@@ -4,31 +4,22 @@
 use super::{
     alike, friction,
     hypotheses::{Hypothesis, hypotheses},
+    order,
+    screening::Screening,
 };
-use crate::{
-    checks::{
-        examination::{Evidence, Examination, FindingText},
-        finding::{Code, Severity},
-        fit::{
-            affine::Affine,
-            orthogonal_fit::squared_residual,
-            thinned_recording::{ThinnedRecording, at, motion_at},
-        },
-        numbers::span,
-    },
-    signal::Motion,
+use crate::checks::{
+    examination::{Evidence, Examination, FindingText},
+    finding::{Code, Severity},
+    fit::{affine::Affine, thinned_recording::ThinnedRecording},
 };
-use thetahat_ground::series::Series;
 use thetahat_model::robot::JointKind;
 
 /// Plausible spans of a joint's motion, rad: corrections that lead to others are not considered.
 const SPANS_RAD: std::ops::RangeInclusive<f64> = 0.1..=25.0;
 /// The same for prismatic joints, m.
 const SPANS_M: std::ops::RangeInclusive<f64> = 1e-3..=20.0;
-/// Factor by which a later hypothesis of the list must be better than an earlier one.
+/// Factor by which a later hypothesis of the list must be better than an earlier one of another kind.
 const BETTER: f64 = 0.9;
-/// Rows of all joints per parameter in the screening.
-const ROWS_PER_PARAMETER: usize = 8;
 /// The same of an exchange that the errors of all torques hardly show.
 const HARDLY_CHANGES: f64 = 0.8;
 /// Most work for trying all corrections: for larger robots, corrections of single joints and pairs are not tried. Twelve joints
@@ -52,7 +43,8 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &mut Thinn
             }
             return;
         };
-        raise(exam, &all[best], gains[best]);
+        let rivals = rivals(&all, &gains, best);
+        raise(exam, &all[best], gains[best], &rivals);
         recording.correct(&all[best].correction);
     }
 }
@@ -67,10 +59,10 @@ pub(in crate::checks) fn largest_gain(recording: &ThinnedRecording<'_>) -> f64 {
 /// The hypotheses that are cheap enough to try.
 fn affordable(recording: &ThinnedRecording<'_>) -> Vec<Hypothesis> {
     let mut all = hypotheses(recording.subject.robot);
-    let work = (ROWS_PER_PARAMETER * recording.parameters().pow(3)) as f64;
-    if all.len() as f64 * work > MOST_WORK {
+    if all.len() as f64 * Screening::work(recording) > MOST_WORK {
         all.retain(|hypothesis| hypothesis.coordinate.is_none());
     }
+    all.extend(order::other_order(recording, MOST_WORK));
     all
 }
 
@@ -88,8 +80,19 @@ fn note_measures(exam: &mut Examination<'_>, all: &[Hypothesis], gains: &[f64]) 
     strongest.into_iter().for_each(|evidence| exam.note_measure(evidence));
 }
 
-fn raise(exam: &mut Examination<'_>, hypothesis: &Hypothesis, gain: f64) {
-    let message = format!("the torques fit {:.1} times better if {}", gain.sqrt(), hypothesis.text);
+/// The joints of hypotheses of the same kind that explain nearly as much: a mirrored robot has another joint's sign.
+fn rivals(hypotheses: &[Hypothesis], gains: &[f64], best: usize) -> Vec<usize> {
+    let is_rival =
+        |h: &usize| *h != best && hypotheses[*h].is_sign_like(&hypotheses[best]) && gains[*h] > BETTER * gains[best];
+    (0..hypotheses.len()).filter(is_rival).filter_map(|h| hypotheses[h].coordinate).collect()
+}
+
+fn raise(exam: &mut Examination<'_>, hypothesis: &Hypothesis, gain: f64, rivals: &[usize]) {
+    let mut message = format!("the torques fit {:.1} times better if {}", gain.sqrt(), hypothesis.text);
+    if !rivals.is_empty() {
+        let numbers: Vec<String> = rivals.iter().map(|&j| exam.subject.joint_number(j).to_string()).collect();
+        message += &format!("; the same of joint {} explains nearly as much", numbers.join(" or "));
+    }
     let text = FindingText::new(message, &hypothesis.remedy).with_step(hypothesis.step());
     exam.raise(evidence(hypothesis, gain), Severity::Problem, text);
 }
@@ -113,11 +116,15 @@ fn gains(recording: &ThinnedRecording<'_>, hypotheses: &[Hypothesis]) -> Option<
     Some(hypotheses.iter().map(gain).collect())
 }
 
-/// The index of the hypothesis with the largest gain above its limit; the first of nearly equal ones.
+/// The index of the hypothesis with the largest gain above its limit; the first of nearly equal ones of several kinds.
 fn best(hypotheses: &[Hypothesis], gains: &[f64]) -> Option<usize> {
     let mut best: Option<usize> = None;
     for (h, &gain) in gains.iter().enumerate().filter(|(h, g)| **g > hypotheses[*h].limit) {
-        if best.is_none_or(|best| BETTER * gain > gains[best]) {
+        let least = |best: usize| {
+            let is_alike = hypotheses[best].is_sign_like(&hypotheses[h]);
+            if is_alike { gains[best] } else { gains[best] / BETTER }
+        };
+        if best.is_none_or(|best| gain > least(best)) {
             best = Some(h);
         }
     }
@@ -143,30 +150,4 @@ fn agrees_with_friction(hypothesis: &Hypothesis, recording: &ThinnedRecording<'_
     let has_friction = (0..recording.parameters()).any(|c| recording.is_friction(c));
     let flipped = hypothesis.coordinate.filter(|_| hypothesis.flips_power && has_friction);
     flipped.is_none_or(|j| power[j] < -friction::NEGATIVE_LIMIT)
-}
-
-/// A few rows of the recording, unfiltered.
-struct Screening {
-    /// Span of each coordinate, rad or m.
-    spans: Vec<f64>,
-    motion: Motion,
-    torque: Series,
-}
-
-impl Screening {
-    fn new(recording: &ThinnedRecording<'_>) -> Self {
-        let rows = ROWS_PER_PARAMETER * recording.parameters() / recording.coordinates() + 1;
-        let step = (recording.rows() / rows).max(1);
-        let samples: Vec<usize> = recording.kept.iter().step_by(step).copied().collect();
-        let motion = motion_at(&recording.motion, &samples);
-        let spans = (0..recording.coordinates()).map(|j| span(&recording.motion.q.channel(j))).collect();
-        Self { spans, motion, torque: at(&recording.torque, &samples) }
-    }
-
-    /// Squared residual, relative to the corrected torques; `None` if it is not finite.
-    fn squares(&self, recording: &ThinnedRecording<'_>, correction: &Affine) -> Option<f64> {
-        let (motion, torque) = (correction.motion(&self.motion), correction.torque(&self.torque));
-        let squares = squared_residual(&recording.unfiltered_regression(&motion, &torque));
-        squares.is_finite().then_some(squares)
-    }
 }

@@ -1,5 +1,6 @@
 //! Negative friction, and torques that the model does not explain.
 
+use super::{described_weight::described_weight, gravity_fit::GravityFit};
 use crate::checks::{
     examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
@@ -11,6 +12,10 @@ use thetahat_ground::linear_algebra::{PivotedQr, dot};
 pub(in crate::checks) const NEGATIVE_LIMIT: f64 = 10.0;
 /// A change of sign counts as the cause of negative friction if it increases the squared residual by at most this factor.
 const AS_GOOD: f64 = 1.02;
+/// Least part of the described weight with which the torques have the right sign.
+const OF_WEIGHT: f64 = 0.5;
+const SIGN: &str = "change the sign of the channel's gain, or of the motor's row in [transmission] matrix";
+const COMPENSATED: &str = "log the torques without the driver's compensation of friction, or add what it subtracts";
 /// Relative error of the whole fit, percent. The clean recordings have at most 6.3, noisy twins 10.
 const WHOLE_LIMIT_PERCENT: f64 = 20.0;
 /// Rms residual of a joint, percent of the standard deviation of its torque, above which the model explains none of it. The
@@ -36,13 +41,12 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &mut Thinn
         if value <= NEGATIVE_LIMIT {
             continue;
         }
-        let SignCause { code, correction, text: cause } = cause(recording, &fit, j, everywhere);
+        let SignCause { code, correction, text: cause, remedy } = cause(recording, &fit, j, everywhere);
         evidence.code = code;
         let message = format!(
             "joint {}: friction is negative (its power by {value:.0} standard deviations); {cause}",
             exam.subject.joint_number(j)
         );
-        let remedy = "change the sign of the channel's gain, or of the motor's row in [transmission] matrix";
         let text = FindingText::new(message, remedy).about(friction_parameters(recording, j));
         let text = text.with_step(correction.as_ref().and_then(Affine::step));
         exam.raise(evidence, Severity::Problem, text);
@@ -56,29 +60,41 @@ struct SignCause {
     code: Code,
     correction: Option<Affine>,
     text: &'static str,
+    remedy: &'static str,
 }
 
 /// What makes a joint's friction negative: the sign of its torque, the sign of its position, or neither.
 fn cause(recording: &ThinnedRecording<'_>, fit: &OrthogonalFit, j: usize, everywhere: bool) -> SignCause {
     let flip: Vec<f64> = (0..recording.coordinates()).map(|i| if i == j { -1.0 } else { 1.0 }).collect();
     let torque = Affine::scaled_torques(&flip);
+    if everywhere && has_described_weight(recording) {
+        let text = "all joints have negative friction, and the torques hold the weight of the links: the driver takes more friction \
+                    out of them than there is";
+        return SignCause { code: Code::NegativeFriction, correction: None, text, remedy: COMPENSATED };
+    }
     if everywhere {
         let text = "all joints have negative friction: the torques have the opposite sign";
-        return SignCause { code: Code::TorqueSign, correction: Some(torque), text };
+        return SignCause { code: Code::TorqueSign, correction: Some(torque), text, remedy: SIGN };
     }
     let position = Affine::scaled_positions(&flip, recording.subject.robot.transmission.offset());
     let squares = |correction: &Affine| corrected_squares(recording, correction) / fit.squares;
     let (with_torque, with_position) = (squares(&torque), squares(&position));
     if with_torque.min(with_position) > AS_GOOD {
         let text = "no change of sign fits as well";
-        return SignCause { code: Code::NegativeFriction, correction: None, text };
+        return SignCause { code: Code::NegativeFriction, correction: None, text, remedy: SIGN };
     }
     if with_position < with_torque / AS_GOOD {
         let text = "the position has the opposite sign";
-        return SignCause { code: Code::PositionSign, correction: Some(position), text };
+        return SignCause { code: Code::PositionSign, correction: Some(position), text, remedy: SIGN };
     }
     let text = "the torque, or the position, has the opposite sign";
-    SignCause { code: Code::TorqueSign, correction: Some(torque), text }
+    SignCause { code: Code::TorqueSign, correction: Some(torque), text, remedy: SIGN }
+}
+
+/// Whether the torques hold the weight of the description's links with its sign.
+fn has_described_weight(recording: &ThinnedRecording<'_>) -> bool {
+    let part = |without: GravityFit| described_weight(recording, recording.subject.robot.gravity, &without);
+    GravityFit::new(recording, [0.0; 3]).and_then(part).is_some_and(|weight| weight.part > OF_WEIGHT)
 }
 
 fn corrected_squares(recording: &ThinnedRecording<'_>, correction: &Affine) -> f64 {

@@ -15,6 +15,9 @@ const SINGLE_LIMIT: f64 = 1.5;
 /// The same for exchanges and for two signs at once, of which there are many; the clean recordings have at most 1.50.
 const MANY_LIMIT: f64 = 2.0;
 
+/// The same for any order of the joints.
+const ORDER_LIMIT: f64 = 4.0;
+
 /// A possible fault of a recording, and its correction.
 pub(in crate::checks) struct Hypothesis {
     pub(in crate::checks) code: Code,
@@ -91,6 +94,22 @@ impl Hypothesis {
         }
     }
 
+    /// The channels of joint j are those of joint `order[j]`.
+    pub(super) fn of_order(robot: &Robot, order: &[usize], signal: RemedySignal) -> Self {
+        let (what, columns) = match signal {
+            RemedySignal::Torque => ("the torques", "torque columns"),
+            RemedySignal::Position => ("the positions", "position columns"),
+            RemedySignal::Both => ("positions and torques", "position and torque columns"),
+        };
+        let number = |&j: &usize| (robot.joint_of(j) + 1).to_string();
+        let numbers = order.iter().map(number).collect::<Vec<_>>().join(", ");
+        let text = format!("{what} of the joints are taken in the order {numbers}");
+        let remedy = format!("take the {columns} in this order in the experiment file");
+        let first = (0..order.len()).find(|&j| order[j] != j).unwrap_or(0);
+        let correction = Affine::ordered(order, signal);
+        Self::new(Code::JointsSwapped, Scope::One(first), correction, text, remedy).with_limit(ORDER_LIMIT)
+    }
+
     fn with_limit(self, limit: f64) -> Self {
         Self { limit, ..self }
     }
@@ -104,6 +123,12 @@ impl Hypothesis {
     /// The change of the settings that corrects it.
     pub(in crate::checks) fn step(&self) -> Option<RemedyStep> {
         self.side.clone().or_else(|| self.correction.step())
+    }
+
+    /// Whether it is the same wrong sign of another joint.
+    pub(in crate::checks) fn is_sign_like(&self, other: &Self) -> bool {
+        let is_sign = matches!(self.code, Code::PositionSign | Code::TorqueSign);
+        is_sign && (self.code, self.flips_power) == (other.code, other.flips_power)
     }
 
     fn flipping(self) -> Self {

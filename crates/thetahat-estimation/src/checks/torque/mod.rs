@@ -1,6 +1,7 @@
 //! Checks of the torques against the model.
 
 mod alike;
+mod described_weight;
 pub(in crate::checks) mod fault;
 pub(in crate::checks) mod friction;
 pub(in crate::checks) mod gear;
@@ -8,6 +9,8 @@ pub(in crate::checks) mod gravity;
 mod gravity_fit;
 pub(in crate::checks) mod hypotheses;
 pub(in crate::checks) mod levels;
+mod order;
+mod screening;
 pub(in crate::checks) mod spikes;
 pub(in crate::checks) mod unexplained;
 mod weight;

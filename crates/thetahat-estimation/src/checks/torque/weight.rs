@@ -5,6 +5,7 @@
 //! have is not in what a fit without gravity leaves.
 
 use super::{
+    described_weight::described_weight,
     fault,
     gravity_fit::{ALIKE, GravityFit, LIMIT, POOR, WRONG_RATIO},
 };
@@ -14,10 +15,17 @@ use crate::checks::{
     fit::thinned_recording::ThinnedRecording,
     remedy_step::RemedyStep,
 };
-use thetahat_ground::{number::significant, vector::Vec3};
+use thetahat_ground::{
+    number::significant,
+    vector::{norm, scale},
+};
 
 /// Largest part of the described weight that such torques hold.
 const LEAST_WEIGHT: f64 = 0.1;
+/// The same of torques of which the driver subtracts a model of its own, whose masses are wrong.
+const PART_OF_WEIGHT: f64 = 0.5;
+/// Steps of Gauss-Newton on the strength of gravity.
+const STEPS: usize = 3;
 
 /// Checks whether the torques lack the weight of the links, where `best` is the squared residual with the best direction of gravity;
 /// returns whether it raised a finding.
@@ -34,7 +42,7 @@ pub(super) fn check(
     let lacks_weight = weight.is_some_and(|weight| weight.part.abs() < LEAST_WEIGHT && weight.ratio > WRONG_RATIO);
     let fits_better = is_best && ratio > LIMIT && fault::largest_gain(recording) <= ratio;
     if !lacks_weight && !fits_better {
-        return false;
+        return !is_best && is_partly_compensated(exam, recording, stated, without);
     }
     let value = if lacks_weight { weight.map_or(ratio, |weight| weight.ratio) } else { ratio };
     let evidence = Evidence {
@@ -60,22 +68,51 @@ fn finding_text(ratio: f64, part: Option<f64>) -> FindingText {
     FindingText::new(message, remedy).with_step(RemedyStep::Gravity { gravity: [0.0; 3] })
 }
 
-/// The weight of the description's links in the torques.
-#[derive(Clone, Copy)]
-struct DescribedWeight {
-    /// Part of it that the torques hold.
-    part: f64,
-    /// Factor by which all of it would increase the squared residual of the fit without gravity.
-    ratio: f64,
+/// Whether the torques fit much better with less gravity along the stated direction, and raises it: the driver subtracts the weight of a
+/// model of its own.
+fn is_partly_compensated(
+    exam: &mut Examination<'_>,
+    recording: &ThinnedRecording<'_>,
+    stated: &GravityFit,
+    without: GravityFit,
+) -> bool {
+    let length = norm(stated.gravity);
+    let described = described_weight(recording, stated.gravity, &without);
+    if described.is_none_or(|weight| weight.part.abs() > PART_OF_WEIGHT) {
+        return false;
+    }
+    let Some(weaker) = weaker(recording, stated, without) else { return false };
+    let part = norm(weaker.gravity) / length;
+    let value = stated.squares() / weaker.squares();
+    if part > PART_OF_WEIGHT || value < LIMIT || weaker.fit.relative_error() > POOR {
+        return false;
+    }
+    let evidence = Evidence {
+        code: Code::GravityDirection,
+        coordinate: None,
+        value,
+        unit: "times smaller squared residual",
+        limit: LIMIT,
+    };
+    let message = format!(
+        "the torques fit {} times better with {:.0} % of gravity: drivers that compensate gravity by a model of their own log what \
+         that model lacks",
+        significant(value.sqrt(), 3),
+        100.0 * part
+    );
+    let remedy = "log the torques without the driver's compensation, or add what it subtracts";
+    exam.raise(evidence, Severity::Problem, FindingText::new(message, remedy));
+    true
 }
 
-/// None without masses.
-fn described_weight(recording: &ThinnedRecording<'_>, gravity: Vec3, without: &GravityFit) -> Option<DescribedWeight> {
-    let subject = recording.subject;
-    let theta = subject.robot.a_priori_parameters_for(subject.model.parameter_table());
-    let of_columns: Vec<f64> = without.columns.iter().map(|&column| theta[column]).collect();
-    let weight = without.fit.unexplained(&without.torque_along(recording, gravity, &of_columns)?);
-    let squares: f64 = weight.iter().map(|w| w * w).sum();
-    let along: f64 = weight.iter().zip(&without.fit.residual).map(|(w, e)| w * e).sum();
-    (squares > 0.0).then(|| DescribedWeight { part: along / squares, ratio: 1.0 + squares / without.squares() })
+/// The strength of gravity along the stated direction with the least squared residual.
+fn weaker(recording: &ThinnedRecording<'_>, stated: &GravityFit, without: GravityFit) -> Option<GravityFit> {
+    let direction = scale(1.0 / norm(stated.gravity), stated.gravity);
+    let mut best = without;
+    for _ in 0..STEPS {
+        let theta = best.fit_with_directions(recording, &[direction])?.theta();
+        let strength = norm(best.gravity) + theta.last()?;
+        best = GravityFit::new(recording, scale(strength.max(0.0), direction))?;
+    }
+    Some(best)
 }

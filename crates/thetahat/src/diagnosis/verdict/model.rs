@@ -138,7 +138,9 @@ fn cause(results: &Results, found: &ModelCause) -> Option<VerdictReason> {
         | CauseKind::Crosstalk
         | CauseKind::FallingConstant
         | CauseKind::JointSpring
-        | CauseKind::AsymmetricFriction => Verdict::Care,
+        | CauseKind::AsymmetricFriction
+        | CauseKind::GainDrift
+        | CauseKind::TorqueRipple => Verdict::Care,
     };
     let size = found.size_in_words().map(|size| format!(", {size}")).unwrap_or_default();
     let rivals = match found.rivals.as_slice() {
@@ -196,6 +198,10 @@ fn remedy(results: &Results, found: &ModelCause) -> String {
         CauseKind::Crosstalk => "calibrate the torque sensors".to_owned(),
         CauseKind::FallingConstant => {
             "take the drive's torque instead of its current, or record with smaller torques".to_owned()
+        }
+        CauseKind::GainDrift => "record with warm motors and a steady supply, or in shorter parts".to_owned(),
+        CauseKind::TorqueRipple => {
+            "add a [[term]] of kind motor-harmonics; its harmonics are multiples of the motor's angle".to_owned()
         }
         CauseKind::AsymmetricFriction => "add a [[term]] of kind asymmetric-viscous".to_owned(),
         CauseKind::JointSpring => "add a [[term]] of kind joint-spring, if a spring or a cable acts there".to_owned(),

@@ -36,6 +36,8 @@ fn of_cause(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
         | CauseKind::Payload
         | CauseKind::Crosstalk
         | CauseKind::FallingConstant
+        | CauseKind::GainDrift
+        | CauseKind::TorqueRipple
         // Tilts about two axes are one remedy.
         | CauseKind::GravityDirection => Vec::new(),
     }

@@ -82,26 +82,21 @@ impl Channels<'_> {
         Some(vec![("gain", Some(one_or_list(gains.into_iter().map(Value::from).collect())))])
     }
 
-    /// The channels of two joints exchanged, with their units and gains.
-    pub(super) fn exchanged(&self, [a, b]: [usize; 2]) -> Option<Vec<Entry>> {
-        let mut columns = self.columns()?;
-        if a.max(b) >= columns.len() {
+    /// The channels in another order, with their units and gains: joint j has that of joint `order[j]`.
+    pub(super) fn in_order(&self, order: &[usize]) -> Option<Vec<Entry>> {
+        let columns = self.columns()?;
+        if order.len() != columns.len() || order.iter().any(|&j| j >= columns.len()) {
             return None;
         }
-        columns.swap(a, b);
-        let texts = columns.into_iter().map(Value::from).collect();
+        let texts = order.iter().map(|&j| Value::from(columns[j].clone())).collect();
         let mut entries: Vec<Entry> = vec![("columns", Some(Value::Array(texts)))];
         if let OneOrEach::Each(units) = &self.source.unit {
-            let mut units = units.clone();
-            units.swap(a, b);
-            entries.push(("unit", Some(one_or_list(units.iter().map(|u| Value::from(u.symbol())).collect()))));
+            entries.push(("unit", Some(one_or_list(order.iter().map(|&j| Value::from(units[j].symbol())).collect()))));
         }
         if let Some(OneOrEach::Each(gains)) = &self.source.gain
             && gains.len() == self.count()
         {
-            let mut gains = gains.clone();
-            gains.swap(a, b);
-            entries.push(("gain", Some(one_or_list(gains.into_iter().map(Value::from).collect()))));
+            entries.push(("gain", Some(one_or_list(order.iter().map(|&j| Value::from(gains[j])).collect()))));
         }
         Some(entries)
     }

@@ -184,6 +184,7 @@ fn code_of(finding: &Finding, robot: &Robot) -> String {
             let [a, b] = [a, b].map(|coordinate| robot.joint_of(coordinate.saturating_sub(1)) + 1);
             format!("{code}-{a}-{b}")
         }
+        (Some(RemedyStep::OrderJoints { .. }), _) => code.to_owned(),
         (Some(RemedyStep::CorrectReference { .. }), _) | (_, None) => code.to_owned(),
         (_, Some(joint)) => format!("{code}-{joint}"),
     }

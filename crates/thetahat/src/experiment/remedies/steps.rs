@@ -88,6 +88,7 @@ impl Draft<'_> {
             }
             RemedyStep::AddTerm { .. } => None,
             RemedyStep::ExchangeJoints { .. }
+            | RemedyStep::OrderJoints { .. }
             | RemedyStep::Scale { .. }
             | RemedyStep::Side { .. }
             | RemedyStep::Delay { .. }
@@ -144,8 +145,15 @@ impl Draft<'_> {
         let torque = || target.description.torque.as_ref();
         match &step.step {
             RemedyStep::ExchangeJoints { signal, joints: [a, b] } => {
-                let pair = [a.checked_sub(1)?, b.checked_sub(1)?];
-                self.of_signals(target, step, *signal, &|channels| channels.exchanged(pair))
+                let mut order: Vec<usize> = (0..self.robot.coordinate_count()).collect();
+                let pair = [a.checked_sub(1)?, b.checked_sub(1)?].map(|joint| joint.min(order.len()));
+                order.get(pair[0].max(pair[1]))?;
+                order.swap(pair[0], pair[1]);
+                self.of_signals(target, step, *signal, &|channels| channels.in_order(&order))
+            }
+            RemedyStep::OrderJoints { signal, order } => {
+                let order: Vec<usize> = order.iter().map(|joint| joint.checked_sub(1)).collect::<Option<_>>()?;
+                self.of_signals(target, step, *signal, &|channels| channels.in_order(&order))
             }
             RemedyStep::Scale { position, torque } => {
                 let mut changes = Vec::new();

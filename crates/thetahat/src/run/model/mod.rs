@@ -117,7 +117,9 @@ fn add_causes_in_model(model: &mut ModelResult, described: Vec<ModelCause>) {
         | CauseKind::Crosstalk
         | CauseKind::FallingConstant
         | CauseKind::JointSpring
-        | CauseKind::AsymmetricFriction => false,
+        | CauseKind::AsymmetricFriction
+        | CauseKind::GainDrift
+        | CauseKind::TorqueRipple => false,
     };
     if model.terms.is_empty() {
         return;

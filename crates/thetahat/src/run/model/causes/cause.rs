@@ -11,6 +11,8 @@ pub(super) struct Cause {
     pub(super) instrument: Option<Vec<f64>>,
     /// The causes whose columns these are, of one that is several of a kind at once.
     pub(super) members: Vec<usize>,
+    /// Columns among which these were the strongest.
+    pub(super) searched: usize,
 }
 
 impl Cause {
@@ -20,6 +22,6 @@ impl Cause {
         let unit = causes[*members.first()?].unit;
         let columns = members.iter().flat_map(|&k| causes[k].columns.clone()).collect();
         let subject = if kind == CauseKind::Length { "several links" } else { "several joints" }.to_owned();
-        (members.len() > 1).then_some(Self { kind, subject, unit, columns, instrument: None, members })
+        (members.len() > 1).then_some(Self { kind, subject, unit, columns, instrument: None, members, searched: 1 })
     }
 }

@@ -29,6 +29,7 @@ impl Torques<'_> {
             late: self.column(self.slopes(&self.predicted)),
             smoothed_late: self.smoothed().and_then(|torques| self.column(self.slopes(&torques))),
             cube: self.column(self.cubes()),
+            aging: self.column(self.aging()),
             position: self.each(|r, k, j| r.motion.q.sample(k)[j]),
             speed: self.each(|r, k, j| r.motion.dq.sample(k)[j].abs()),
         }
@@ -49,6 +50,16 @@ impl Torques<'_> {
             }
         }
         cubes
+    }
+
+    /// Each predicted torque times the part of its recording that has passed.
+    fn aging(&self) -> Vec<Series> {
+        let mut aging = self.predicted.clone();
+        for torque in &mut aging {
+            let count = torque.len() as f64;
+            (0..torque.len()).for_each(|k| torque.sample_mut(k).iter_mut().for_each(|t| *t *= k as f64 / count));
+        }
+        aging
     }
 
     /// The rows of one joint; those of the others are zero.

@@ -7,6 +7,7 @@
 mod cause;
 mod derivatives;
 mod residual;
+mod ripple;
 mod signal_rows;
 mod tested_rows;
 mod torques;
@@ -86,10 +87,15 @@ pub(super) fn causes(
     let late = candidates.iter().position(|c| c.kind == CauseKind::LateTorque && c.subject.is_empty());
     // A delay shows where the torque changes: at reversals, which all others leave out. Its size is too small where the position
     // filter rings at rests: the check of lags measures it better.
-    let of_delay = late.and_then(|late| Residual::new(&tested.rows, deviations, &[], vec![candidates[late].clone()]));
-    let Some(residual) = Residual::new(&tested.rows, deviations, &tested.select(turning.to_vec()), candidates) else {
+    let of_delay = late.and_then(|late| {
+        let residual = Residual::new(&tested.rows, deviations, &[])?;
+        Some(residual.with(vec![candidates[late].clone()]))
+    });
+    let Some(residual) = Residual::new(&tested.rows, deviations, &tested.select(turning.to_vec())) else {
         return FoundCauses::default();
     };
+    let ripples = torques.ripples(&residual, identification.threads);
+    let residual = residual.with(candidates).with(ripples);
     let threads = identification.threads;
     let more_rows = (tested.rows.rows_of_joint() as f64 / ROWS).max(1.0);
     let named_below = named_below(identification) * more_rows.sqrt();
@@ -184,7 +190,10 @@ impl Search<'_> {
 
     fn named_below_of(&self, k: usize) -> f64 {
         let is_by_filtered = match self.residual.candidates[k].cause.kind {
-            CauseKind::Elasticity | CauseKind::FrictionDrift | CauseKind::AsymmetricFriction => true,
+            CauseKind::Elasticity
+            | CauseKind::FrictionDrift
+            | CauseKind::AsymmetricFriction
+            | CauseKind::TorqueRipple => true,
             CauseKind::LoadFriction | CauseKind::SpeedFriction => self.friction == FrictionEvidence::AfterTerms,
             CauseKind::LateTorque
             | CauseKind::EncoderZero
@@ -197,7 +206,8 @@ impl Search<'_> {
             | CauseKind::GravityDirection
             | CauseKind::Crosstalk
             | CauseKind::FallingConstant
-            | CauseKind::JointSpring => false,
+            | CauseKind::JointSpring
+            | CauseKind::GainDrift => false,
         };
         if is_by_filtered { self.named_by_filtered } else { self.named_below }
     }
@@ -235,7 +245,9 @@ fn smallest_shown(residual: &Residual, candidate: usize, named_below: f64) -> Op
         | CauseKind::Crosstalk
         | CauseKind::FallingConstant
         | CauseKind::JointSpring
-        | CauseKind::AsymmetricFriction => return None,
+        | CauseKind::AsymmetricFriction
+        | CauseKind::GainDrift
+        | CauseKind::TorqueRipple => return None,
     }
     residual.test(candidate)?.size?;
     let size = residual.size_beyond(residual.column(candidate), named_below, 1)?;
@@ -294,7 +306,7 @@ impl Cause {
             | CauseKind::Length
             | CauseKind::GravityDirection
             | CauseKind::Crosstalk => size.abs() < LARGEST,
-            CauseKind::DriveGain => size.abs() < LARGEST_GAIN,
+            CauseKind::DriveGain | CauseKind::GainDrift => size.abs() < LARGEST_GAIN,
             // A constant does not grow with the current.
             CauseKind::FallingConstant => size > 0.0 && size < LARGEST_GAIN,
             CauseKind::Elasticity => size > 0.0,
@@ -306,7 +318,8 @@ impl Cause {
             | CauseKind::FrictionDrift
             | CauseKind::Payload
             | CauseKind::JointSpring
-            | CauseKind::AsymmetricFriction => true,
+            | CauseKind::AsymmetricFriction
+            | CauseKind::TorqueRipple => true,
         }
     }
 }

@@ -32,10 +32,13 @@ pub(super) struct Residual {
     separated: Vec<usize>,
     factor: PivotedQr,
     parameters: usize,
-    rest: Vec<f64>,
+    /// The factor of the whitened rows, and an orthonormal basis of what they explain.
+    scale: Vec<f64>,
+    explained: Matrix,
+    pub(super) rest: Vec<f64>,
     /// Norm of the whitened torques.
     torque: f64,
-    layout: RowLayout,
+    pub(super) layout: RowLayout,
     pub(super) candidates: Vec<Candidate>,
 }
 
@@ -63,7 +66,7 @@ pub(super) struct Evidence {
 impl Residual {
     /// The residual in all rows, or without those that are left out: near rest the torque depends on what friction did
     /// before, and on how well the reversal is sampled.
-    pub(super) fn new(rows: &ModelRows, deviations: &[f64], left_out: &[bool], causes: Vec<Cause>) -> Option<Self> {
+    pub(super) fn new(rows: &ModelRows, deviations: &[f64], left_out: &[bool]) -> Option<Self> {
         let mut scale: Vec<f64> = rows.layout.spread(|block| 1.0 / deviations[block.joint]);
         scale.iter_mut().zip(&rows.weights).for_each(|(s, weight)| *s *= weight);
         scale.iter_mut().zip(left_out).filter(|(_, out)| **out).for_each(|(s, _)| *s = 0.0);
@@ -73,18 +76,24 @@ impl Residual {
         let y: Vec<f64> = rows.y.iter().zip(&scale).map(|(y, s)| y * s).collect();
         let torque = norm(&y);
         let rest = outside(&explained, &y);
-        let candidates = causes
-            .into_iter()
-            .map(|cause| {
-                let whiten = |columns: Vec<f64>| Matrix::from_columns(y.len(), columns).scale_rows(&scale);
-                let whitened = whiten(cause.columns.concat());
-                let instrument = cause.instrument.as_ref().map(|z| outside_all(&explained, &whiten(z.clone())));
-                let sizes = (0..whitened.columns()).map(|c| norm(whitened.column(c))).collect();
-                Candidate { columns: outside_all(&explained, &whitened), whitened, sizes, cause, instrument }
-            })
-            .collect();
-        let (parameters, layout) = (x.columns(), rows.layout.clone());
-        (torque > 0.0).then_some(Self { separated, factor, parameters, rest, torque, layout, candidates })
+        let (parameters, layout, candidates) = (x.columns(), rows.layout.clone(), Vec::new());
+        let residual = Self { separated, factor, parameters, scale, explained, rest, torque, layout, candidates };
+        (torque > 0.0).then_some(residual)
+    }
+
+    /// The same with further causes, before any is put in.
+    pub(super) fn with(mut self, causes: Vec<Cause>) -> Self {
+        let candidates: Vec<Candidate> = causes.into_iter().map(|cause| self.candidate(cause)).collect();
+        self.candidates.extend(candidates);
+        self
+    }
+
+    fn candidate(&self, cause: Cause) -> Candidate {
+        let whiten = |columns: Vec<f64>| Matrix::from_columns(self.rest.len(), columns).scale_rows(&self.scale);
+        let whitened = whiten(cause.columns.concat());
+        let instrument = cause.instrument.as_ref().map(|z| outside_all(&self.explained, &whiten(z.clone())));
+        let sizes = (0..whitened.columns()).map(|c| norm(whitened.column(c))).collect();
+        Candidate { columns: outside_all(&self.explained, &whitened), whitened, sizes, cause, instrument }
     }
 
     /// What a cause explains of the residual; none if no motion of the recordings shows it.
@@ -103,7 +112,7 @@ impl Residual {
         let basis = leading(&factor, rank);
         let along = basis.transpose_times(&self.rest);
         let statistic = dot(&along, &along);
-        let log10_p = log10_tail(statistic, rank)?;
+        let log10_p = log10_tail(statistic, rank)? + (cause.searched as f64).log10();
         let is_full = rank == cause.columns.len();
         let coefficients = if is_full { factor.solve(&self.rest) } else { Vec::new() };
         let size = match cause.columns.len() {
@@ -227,7 +236,7 @@ fn deviations_beyond(log10_p: f64, count: usize) -> f64 {
 }
 
 /// log10 of the probability that chi-squared of so many degrees of freedom is larger, however small it is.
-fn log10_tail(chi_squared: f64, freedom: usize) -> Option<f64> {
+pub(super) fn log10_tail(chi_squared: f64, freedom: usize) -> Option<f64> {
     let p = ChiSquared::new(freedom as f64).ok()?.sf(chi_squared);
     if p > LEAST {
         return Some(p.log10());
@@ -268,7 +277,8 @@ mod tests {
 
     fn cause(column: impl Fn(usize) -> f64, members: Vec<usize>) -> Cause {
         let columns = vec![(0..ROWS).map(column).collect()];
-        Cause { kind: CauseKind::EncoderZero, subject: String::new(), unit: "rad", columns, instrument: None, members }
+        let (kind, subject) = (CauseKind::EncoderZero, String::new());
+        Cause { kind, subject, unit: "rad", columns, instrument: None, members, searched: 1 }
     }
 
     fn residual(columns: &[usize], causes: Vec<Cause>) -> Residual {
@@ -277,7 +287,7 @@ mod tests {
         let y = (0..ROWS).map(|k| value(k)[0] + value(k)[1] + 0.3 * value(k)[3] + noise(k)).collect();
         let layout = RowLayout::new(1, &[ROWS]);
         let rows = ModelRows { x, y, layout, decimators: Vec::new(), weights: vec![1.0; ROWS] };
-        Residual::new(&rows, &[0.01], &[false; ROWS], causes).unwrap()
+        Residual::new(&rows, &[0.01], &[false; ROWS]).unwrap().with(causes)
     }
 
     /// The quantile and the tail undo each other, and the tail goes on where the probability is no longer a number.

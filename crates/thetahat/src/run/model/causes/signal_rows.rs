@@ -11,6 +11,8 @@ pub(super) struct SignalRows {
     pub(super) smoothed_late: Option<Vec<f64>>,
     /// What a motor constant that falls with the square of the torque adds to a recorded torque.
     pub(super) cube: Option<Vec<f64>>,
+    /// What a gain that changes by itself from beginning to end adds to a recorded torque; each recording from its own beginning.
+    pub(super) aging: Option<Vec<f64>>,
     /// The torques of springs whose rest is anywhere, which the offsets take.
     pub(super) position: Option<Vec<f64>>,
     /// Viscous friction that is larger in one direction.

@@ -53,10 +53,11 @@ enum Tried {
     FallingConstant(usize),
     Spring(usize),
     Asymmetric(usize),
+    GainDrift(Option<usize>),
 }
 
 pub(super) struct Torques<'a> {
-    identification: &'a Identification,
+    pub(super) identification: &'a Identification,
     problem: &'a Problem,
     pub(super) tested: &'a TestedRows<'a>,
     pub(super) standard: &'a [f64],
@@ -179,13 +180,14 @@ impl<'a> Torques<'a> {
             Tried::SpeedFriction,
             Tried::FrictionDrift,
             Tried::OffsetDrift,
+            Tried::GainDrift(None),
         ];
         tried.extend((0..joints).flat_map(|j| [Tried::Zero(j), Tried::Gear(j), Tried::DriveGain(j)]));
         tried.extend(revolute.map(Tried::Elastic));
         tried.extend(lengths);
         tried.extend((1..joints).map(|j| Tried::Coupling(j - 1)));
         if joints > 1 {
-            tried.extend((0..joints).map(|j| Tried::LateTorque(Some(j))));
+            tried.extend((0..joints).flat_map(|j| [Tried::LateTorque(Some(j)), Tried::GainDrift(Some(j))]));
         }
         tried.extend((0..3).filter(|&axis| self.can_tilt_about(axis)).map(Tried::Gravity));
         let is_near = |from: usize, into: usize| joints <= ALL_PAIRS || from.abs_diff(into) == 1;
@@ -199,7 +201,7 @@ impl<'a> Torques<'a> {
         let (kind, subject, unit) = self.named(tried);
         let columns = self.columns(tried).into_iter().collect::<Option<Vec<_>>>().filter(|c| !c.is_empty())?;
         let instrument = if let Tried::LateTorque(j) = tried { self.late_instrument(j) } else { None };
-        Some(Cause { kind, subject, unit, columns, instrument, members: Vec::new() })
+        Some(Cause { kind, subject, unit, columns, instrument, members: Vec::new(), searched: 1 })
     }
 
     /// Kind, subject and unit.
@@ -212,6 +214,7 @@ impl<'a> Torques<'a> {
         };
         match tried {
             Tried::LateTorque(j) => (CauseKind::LateTorque, j.map_or_else(all, joint), "s"),
+            Tried::GainDrift(j) => (CauseKind::GainDrift, j.map_or_else(all, joint), ""),
             Tried::LoadFriction => (CauseKind::LoadFriction, all(), ""),
             Tried::SpeedFriction => (CauseKind::SpeedFriction, all(), ""),
             Tried::FrictionDrift => (CauseKind::FrictionDrift, all(), ""),
@@ -236,6 +239,8 @@ impl<'a> Torques<'a> {
         match tried {
             Tried::LateTorque(None) => vec![self.signals.late.clone()],
             Tried::LateTorque(Some(j)) => vec![self.of_joint(&self.signals.late, j)],
+            Tried::GainDrift(None) => vec![self.signals.aging.clone()],
+            Tried::GainDrift(Some(j)) => vec![self.of_joint(&self.signals.aging, j)],
             Tried::LoadFriction => self.load_friction(),
             Tried::SpeedFriction => self.speed_friction(),
             Tried::FrictionDrift => self.friction_drift(),
@@ -259,7 +264,7 @@ impl<'a> Torques<'a> {
         joint.map_or_else(|| smoothed.clone(), |j| self.of_joint(smoothed, j))
     }
 
-    fn kind(&self, j: usize) -> JointKind {
+    pub(super) fn kind(&self, j: usize) -> JointKind {
         self.robot.joints[self.robot.joint_of(j)].kind
     }
 
@@ -472,7 +477,7 @@ impl<'a> Torques<'a> {
             let time_s = recording.start_s() + sample as f64 / recording.recording.sample_rate_hz;
             let columns = units.iter().map(after).collect();
             let subject = format!("at {time_s:.1} s");
-            Cause { kind, subject, unit: "", columns, instrument: None, members: Vec::new() }
+            Cause { kind, subject, unit: "", columns, instrument: None, members: Vec::new(), searched: 1 }
         };
         let of_instant = |i| [from(i, CauseKind::Payload, &body), from(i, CauseKind::OffsetDrift, &offsets)];
         (0..INSTANTS).flat_map(of_instant).collect()
