@@ -17,17 +17,29 @@
 //! | `monitor` | all of it, sample by sample |
 //! | `samples` | samples of a recording, and of text that grows |
 
+mod belief;
 mod collision;
 mod drift;
 mod error;
+mod history;
+mod input;
+mod layout;
 mod likelihood;
 mod monitor;
+mod options;
+mod residual;
 mod samples;
+mod scale;
+mod second;
 mod settling;
+mod start;
 mod step;
 mod subject;
+mod whitening;
+mod words;
 
 pub use error::WatchError;
-pub use monitor::{Watch, WatchOptions};
+pub use monitor::Watch;
+pub use options::WatchOptions;
 pub use samples::{GrowingText, Sample, recorded_samples};
 pub use subject::WatchedRobot;
