@@ -552,6 +552,20 @@ pub struct Sample {
     pub seed: u64,
 }
 
+/// Columns of a recording whose names differ from the experiment.
+#[derive(Args)]
+pub struct RenamedColumns {
+    /// Columns of the positions, if their names differ from the experiment
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub position: Vec<String>,
+    /// Columns of the torques, if their names differ from the experiment
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub torque: Vec<String>,
+    /// The time column, if its name differs from the experiment
+    #[arg(long, value_name = "NAME")]
+    pub time: Option<String>,
+}
+
 #[derive(Args)]
 pub struct Predict {
     /// The results.json of an identification
@@ -563,15 +577,8 @@ pub struct Predict {
     /// The file of its torques, if it is another file
     #[arg(long, value_name = "FILE")]
     pub torque_file: Option<PathBuf>,
-    /// Columns of the positions, if their names differ from the experiment
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    pub position: Vec<String>,
-    /// Columns of the torques, if their names differ from the experiment
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    pub torque: Vec<String>,
-    /// The time column, if its name differs from the experiment
-    #[arg(long, value_name = "NAME")]
-    pub time: Option<String>,
+    #[command(flatten)]
+    pub columns: RenamedColumns,
     /// Start and end of the window, s [default: that of the experiment, or otherwise the moving part]
     #[arg(long, value_names = ["START", "END"], num_args = 2)]
     pub window_s: Option<Vec<f64>>,
@@ -599,15 +606,8 @@ pub struct Watch {
     /// Go on where a text file ends: wait for what is written to it, until interrupted
     #[arg(long)]
     pub follow: bool,
-    /// Columns of the positions, if their names differ from the experiment
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    pub position: Vec<String>,
-    /// Columns of the torques, if their names differ from the experiment
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    pub torque: Vec<String>,
-    /// The time column, if its name differs from the experiment
-    #[arg(long, value_name = "NAME")]
-    pub time: Option<String>,
+    #[command(flatten)]
+    pub columns: RenamedColumns,
     /// Time in which the residual's noise and mean are learned, s
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0)]
     pub settle: f64,

@@ -1,17 +1,24 @@
 //! Lasting changes: of a joint's friction or offset, or of a payload at the last link.
 
-use std::collections::VecDeque;
-
 use super::{
-    likelihood::{Ratio, Sums, Unexplained, of_joint, place, posterior},
-    settling::{BlockNoise, Settled, Whitening},
+    belief::Belief,
+    history::{History, Stretch},
+    layout::{Layout, OWN, PAYLOAD},
+    likelihood::{Ratio, Sums, Unexplained, posterior},
+    scale::Scales,
+    second::Second,
+    settling::Settled,
     step::Step,
-    subject::{CHANGES, PAYLOAD},
+    whitening::{BlockNoise, Whitening},
 };
 use thetahat_ground::linear_algebra::Matrix;
 
-/// Seconds that a ratio looks back: one alone may hold the instant of the change.
-const LENGTHS: [usize; 15] = [2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256];
+/// Seconds that a ratio looks back at least: one alone may hold the instant of the change.
+const FEWEST: usize = 2;
+/// Seconds that it looks back at most, but for those of one stretch.
+const LONGEST: usize = 256;
+/// Part of the joint's friction that a change of friction or offset exceeds: less is an error of its model, which is another in other motion.
+const SMALLEST: f64 = 0.03;
 /// The ratio over others by which a cause explains better: twenty to one.
 const BETTER: f64 = 3.0;
 /// Part of the prior deviation that a payload's mass keeps where the motion does not show it.
@@ -40,9 +47,9 @@ impl Cause {
     /// Its parameters among the changes of a robot.
     pub(super) fn parameters(self, joints: usize) -> Vec<usize> {
         match self {
-            Self::Friction(j) => vec![place(joints, j, 0), place(joints, j, 1)],
-            Self::Offset(j) => vec![place(joints, j, 2)],
-            Self::Payload => (3..CHANGES).map(|change| place(joints, 0, change)).collect(),
+            Self::Friction(j) => vec![OWN * j, OWN * j + 1],
+            Self::Offset(j) => vec![OWN * j + 2],
+            Self::Payload => (OWN * joints..OWN * joints + PAYLOAD.len()).collect(),
         }
     }
 }
@@ -64,9 +71,12 @@ impl Cause {
 /// The test of all causes.
 #[derive(Debug, Clone)]
 pub(super) struct Drift {
+    layout: Layout,
     /// The changes from the identified model that are taken for no news, and their precision.
     baseline: Vec<f64>,
     precision: Matrix,
+    /// What is believed of it without data.
+    believed: Matrix,
     /// The changes by the baseline and the seconds since.
     running: Vec<f64>,
     /// The baseline when watching began, and its covariance.
@@ -74,25 +84,20 @@ pub(super) struct Drift {
     noise: Vec<Option<BlockNoise>>,
     whitening: Whitening,
     causes: Vec<Cause>,
-    /// Prior deviations of changes.
+    /// Prior deviations of the changes that are said.
     prior: Vec<f64>,
+    /// Identified viscous and Coulomb friction of each joint.
+    friction: Vec<[f64; 2]>,
     /// Logarithm of the ratio from which a change is said.
     threshold: f64,
     blocks_per_tick: usize,
-    /// The second that goes on, with its blocks and its beginning.
-    current: Tick,
-    blocks: usize,
-    /// The last second, which counts when no event began in it.
-    last: Option<Tick>,
-    ticks: VecDeque<Tick>,
+    scales: Scales,
+    current: Second,
+    /// The last second, which counts when no event began in it, and the speeds in it.
+    last: Option<(Stretch, Vec<Option<f64>>)>,
+    history: History,
     /// Whether the threshold was passed a second ago.
     waits: bool,
-}
-
-#[derive(Debug, Clone)]
-struct Tick {
-    sums: Sums,
-    began_s: f64,
 }
 
 /// A change that is said.
@@ -105,24 +110,32 @@ pub(super) struct FoundChange {
 }
 
 impl Drift {
-    pub(super) fn new(settled: Settled, prior: Vec<f64>, blocks_per_tick: usize, threshold: f64) -> Self {
-        let Settled { baseline, precision, noise } = settled;
-        let joints = noise.len();
+    pub(super) fn new(
+        layout: Layout,
+        settled: Settled,
+        belief: Belief,
+        blocks_per_tick: usize,
+        threshold: f64,
+    ) -> Self {
+        let Settled { baseline, precision, noise, scales } = settled;
         Self {
+            layout,
             first: (baseline.clone(), inverse(&precision)),
             running: baseline.clone(),
             baseline,
             precision,
-            whitening: Whitening::new(joints),
-            causes: Cause::all(joints),
+            whitening: Whitening::new(layout.joints),
+            causes: Cause::all(layout.joints),
             noise,
-            prior,
+            prior: belief.changes,
+            believed: belief.baseline,
+            friction: belief.friction,
             threshold,
             blocks_per_tick,
-            current: Tick { sums: Sums::zeros(joints), began_s: 0.0 },
-            blocks: 0,
+            scales,
+            current: Second::new(layout.joints),
             last: None,
-            ticks: VecDeque::new(),
+            history: History::default(),
             waits: false,
         }
     }
@@ -143,7 +156,7 @@ impl Drift {
 
     /// The changes since watching began, and their deviations.
     pub(super) fn changes(&self) -> (Vec<f64>, Vec<f64>) {
-        let (since, precision) = posterior(&self.precision, &self.sums_of(self.ticks.len()))
+        let (since, precision) = posterior(&self.precision, &self.sums_since(0.0))
             .unwrap_or_else(|| (vec![0.0; self.baseline.len()], self.precision.clone()));
         let (first, of_first) = &self.first;
         let all = self.baseline.iter().zip(&since).zip(first).map(|((a, b), c)| a + b - c).collect();
@@ -154,73 +167,91 @@ impl Drift {
     /// Leaves the last seconds out, as after a gap or while an event disturbs.
     pub(super) fn leave_out(&mut self) {
         self.last = None;
-        self.start_tick();
+        self.current = Second::new(self.layout.joints);
         self.whitening = Whitening::new(self.noise.len());
-    }
-
-    fn start_tick(&mut self) {
-        self.current = Tick { sums: Sums::zeros(self.noise.len()), began_s: 0.0 };
-        self.blocks = 0;
     }
 
     /// Takes a block; a change that it shows.
     pub(super) fn push(&mut self, block: &Step) -> Option<FoundChange> {
-        for (j, noise) in self.noise.iter().enumerate() {
-            let Some(noise) = noise else { continue };
-            let Some(mut row) = self.whitening.push(j, block, noise.correlation) else { continue };
-            row.y -= row.torque(&of_joint(&self.baseline, j));
-            self.current.sums.add_row(j, &row, noise.deviation.powi(-2));
-        }
-        if self.blocks == 0 {
-            self.current.began_s = block.time_s;
-        }
-        self.blocks += 1;
-        if self.blocks < self.blocks_per_tick {
+        self.current.push(&mut self.whitening, &self.noise, block);
+        if self.current.blocks < self.blocks_per_tick {
             return None;
         }
-        let last = self.last.replace(self.current.clone());
-        self.start_tick();
-        self.ticks.extend(last);
+        let second = std::mem::replace(&mut self.current, Second::new(self.layout.joints));
+        let sums = second.sums(self.layout, &self.noise, &self.scales, &self.baseline);
+        let stretch = Stretch { sums, began_s: second.began_s, ticks: 1 };
+        if let Some((last, speeds)) = self.last.replace((stretch, second.speeds())) {
+            self.learn(&last, &speeds);
+            self.history.push(last);
+        }
         let found = self.test();
         match &found {
             Some(found) => self.take(found),
             None => self.forget(),
         }
         self.running.clone_from(&self.baseline);
-        if let Some((since, _)) = posterior(&self.precision, &self.sums_of(self.ticks.len())) {
+        if let Some((since, _)) = posterior(&self.precision, &self.sums_since(0.0)) {
             self.running.iter_mut().zip(&since).for_each(|(all, change)| *all += change);
         }
         found
     }
 
-    /// The sums of the last seconds.
-    fn sums_of(&self, length: usize) -> Sums {
-        let mut sums = Sums::zeros(self.noise.len());
-        self.ticks.iter().rev().take(length).for_each(|tick| sums.add(&tick.sums));
+    /// Learns the noise of a second at its speeds.
+    fn learn(&mut self, second: &Stretch, speeds: &[Option<f64>]) {
+        let since: Vec<f64> = self.running.iter().zip(&self.baseline).map(|(all, before)| all - before).collect();
+        let mut sums = second.sums.clone();
+        sums.less(&since);
+        self.scales.push(&sums, speeds);
+    }
+
+    /// The sums of the stretches that began at a time or later.
+    fn sums_since(&self, began_s: f64) -> Sums {
+        let mut sums = Sums::zeros(self.layout);
+        let later = self.history.newest_first().take_while(|stretch| stretch.began_s >= began_s);
+        later.for_each(|stretch| sums.add(&stretch.sums));
         sums
     }
 
-    /// A change, one second after its ratio passed the threshold: from the seconds after the one that holds its instant.
+    /// A change, one second after its ratio passed the threshold: from the seconds after the one that holds its instant, which show it as well.
     fn test(&mut self) -> Option<FoundChange> {
         let largest = self.largest_ratios();
-        let (_, ratio, count) = largest.first()?;
+        let (_, ratio, began_s) = largest.first()?;
         let is_large = ratio.log > self.threshold;
-        let was_large = self.waits;
-        self.waits = is_large && !was_large;
+        let was_large = std::mem::replace(&mut self.waits, is_large);
         if !(is_large && was_large) {
             return None;
         }
-        let after = count - 1;
-        let unexplained = Unexplained::of(&self.precision, &self.sums_of(after))?;
+        let after = self.history.newest_first().map(|stretch| stretch.began_s).take_while(|time_s| time_s > began_s);
+        let began_s = after.last()?;
+        let sums = self.sums_since(began_s);
+        let unexplained = Unexplained::of(&self.precision, &sums)?;
         let mut found: Vec<(Cause, Ratio)> = Vec::new();
         for cause in &self.causes {
             found.extend(self.ratio(&unexplained, *cause).map(|ratio| (*cause, ratio)));
         }
         found.sort_by(|a, b| b.1.log.total_cmp(&a.1.log));
+        let best = found.first()?.1.log;
+        prefer_friction(&mut found);
         let (cause, ratio) = found.first()?.clone();
-        let rivals = found[1..].iter().filter(|other| other.1.log > ratio.log - BETTER).map(|other| other.0);
-        let began_s = self.ticks.get(self.ticks.len() - after).map_or(0.0, |tick| tick.began_s);
+        if ratio.log < self.threshold || !self.is_seen(cause, &ratio, &sums) {
+            return None;
+        }
+        self.waits = false;
+        let rivals = found[1..].iter().filter(|other| other.1.log > best - BETTER).map(|other| other.0);
         Some(FoundChange { began_s, cause, rivals: rivals.collect(), ratio })
+    }
+
+    /// Whether the rms torque of a change in some seconds is that of a part of the joint's friction.
+    fn is_seen(&self, cause: Cause, ratio: &Ratio, sums: &Sums) -> bool {
+        let (joint, change) = match (cause, ratio.changes.as_slice()) {
+            (Cause::Friction(joint), [viscous, coulomb]) => (joint, [*viscous, *coulomb, 0.0]),
+            (Cause::Offset(joint), [offset]) => (joint, [0.0, 0.0, *offset]),
+            (Cause::Friction(_) | Cause::Offset(_) | Cause::Payload, _) => return true,
+        };
+        let (information, _) = sums.own(joint);
+        let square = |x: &[f64]| information.times(x).iter().zip(x).map(|(a, b)| a * b).sum::<f64>();
+        let [viscous, coulomb] = self.friction[joint];
+        square(&change) > SMALLEST.powi(2) * square(&[viscous, coulomb, 0.0])
     }
 
     /// The ratio of a cause, if the changes can be of it.
@@ -229,20 +260,21 @@ impl Drift {
         ratio.filter(|ratio| cause.is_possible(ratio, &self.prior))
     }
 
-    /// The largest ratio of each cause over all beginnings, with its seconds; the largest first.
-    fn largest_ratios(&self) -> Vec<(Cause, Ratio, usize)> {
-        let mut largest: Vec<Option<(Cause, Ratio, usize)>> = vec![None; self.causes.len()];
-        let mut sums = Sums::zeros(self.noise.len());
-        for (count, tick) in (1..).zip(self.ticks.iter().rev()) {
-            sums.add(&tick.sums);
-            if !LENGTHS.contains(&count) {
+    /// The largest ratio of each cause over all beginnings, with its beginning; the largest first.
+    fn largest_ratios(&self) -> Vec<(Cause, Ratio, f64)> {
+        let mut largest: Vec<Option<(Cause, Ratio, f64)>> = vec![None; self.causes.len()];
+        let (mut sums, mut count) = (Sums::zeros(self.layout), 0);
+        for stretch in self.history.newest_first() {
+            sums.add(&stretch.sums);
+            count += stretch.ticks;
+            if count < FEWEST {
                 continue;
             }
             let Some(unexplained) = Unexplained::of(&self.precision, &sums) else { continue };
             for (cause, largest) in self.causes.iter().zip(&mut largest) {
                 let ratio = self.ratio(&unexplained, *cause);
                 let ratio = ratio.filter(|ratio| largest.as_ref().is_none_or(|(_, other, _)| other.log < ratio.log));
-                *largest = ratio.map(|ratio| (*cause, ratio, count)).or(largest.take());
+                *largest = ratio.map(|ratio| (*cause, ratio, stretch.began_s)).or(largest.take());
             }
         }
         let mut largest: Vec<_> = largest.into_iter().flatten().collect();
@@ -252,41 +284,45 @@ impl Drift {
 
     /// Takes a change into the baseline, by the seconds since it began.
     fn take(&mut self, found: &FoundChange) {
-        let joints = self.noise.len();
-        let count = self.ticks.iter().filter(|tick| tick.began_s >= found.began_s).count();
         let mut covariance = self.precision.inverse();
         for cause in [found.cause].iter().chain(&found.rivals) {
-            for p in cause.parameters(joints) {
+            for p in cause.parameters(self.layout.joints) {
                 if let Some(covariance) = &mut covariance {
                     *covariance.at_mut(p, p) += self.prior[p].powi(2);
                 }
             }
         }
         let before = covariance.and_then(|covariance| covariance.inverse());
-        let Some((changes, precision)) = before.and_then(|before| posterior(&before, &self.sums_of(count))) else {
+        let Some((changes, precision)) = before.and_then(|before| posterior(&before, &self.sums_since(found.began_s)))
+        else {
             return;
         };
         self.baseline.iter_mut().zip(&changes).for_each(|(all, change)| *all += change);
         self.precision = precision;
-        self.ticks.clear();
+        self.history.clear();
+        self.scales.forget_waiting();
         self.last = None;
     }
 
-    /// Takes the older half of the seconds into the baseline when no ratio looks back to them.
+    /// Takes the oldest seconds into the baseline when no ratio looks back to them.
     fn forget(&mut self) {
-        let longest = LENGTHS[LENGTHS.len() - 1];
-        if self.ticks.len() < longest + longest / 2 {
-            return;
-        }
-        let mut old = Sums::zeros(self.noise.len());
-        self.ticks.drain(..longest / 2).for_each(|tick| old.add(&tick.sums));
-        let Some((changes, _)) = posterior(&self.precision, &old) else { return };
-        let (information, _) = old.all();
-        self.precision = information.plus(&self.precision, FORGOTTEN);
+        let Some(old) = self.history.take_older_than(LONGEST) else { return };
+        let Some((changes, _)) = posterior(&self.precision, &old.sums) else { return };
+        let (information, _) = old.sums.all();
+        let kept = FORGOTTEN.powf(old.ticks as f64 / LONGEST as f64);
+        self.precision = information.plus(&self.precision, kept).plus(&self.believed, 1.0 - kept);
         self.baseline.iter_mut().zip(&changes).for_each(|(all, change)| *all += change);
-        let waiting = self.ticks.iter_mut().chain(&mut self.last);
-        waiting.for_each(|tick| tick.sums.less(&changes));
-        self.current.sums.less(&changes);
+        let waiting = self.history.iter_mut().chain(self.last.iter_mut().map(|(last, _)| last));
+        waiting.for_each(|stretch| stretch.sums.less(&changes));
+    }
+}
+
+/// Puts friction before the offset of its joint where it explains as well: a joint that moves in one direction shows their sum.
+fn prefer_friction(found: &mut [(Cause, Ratio)]) {
+    let Some((Cause::Offset(joint), offset)) = found.first() else { return };
+    let (cause, least) = (Cause::Friction(*joint), offset.log - BETTER);
+    if let Some(place) = found.iter().position(|(other, ratio)| *other == cause && ratio.log > least) {
+        found[..=place].rotate_right(1);
     }
 }
 

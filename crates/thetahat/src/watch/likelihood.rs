@@ -5,94 +5,63 @@
 //! `u = P (P + J)^-1 s` and `W = P (P + J)^-1 J` the ratio of both likelihoods has the logarithm
 //! `1/2 u_E^T (Q^-1 + W_EE)^-1 u_E - 1/2 log det(1 + Q W_EE)`, `Q` the variance of `d`.
 
-use super::subject::{CHANGES, Row};
+use super::{
+    layout::{Layout, OWN},
+    step::Row,
+};
 use thetahat_ground::linear_algebra::Matrix;
 
-/// Information and score of the changes that act on each joint.
+/// Information and score of all changes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Sums {
-    joints: Vec<OfJoint>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct OfJoint {
-    information: [[f64; CHANGES]; CHANGES],
-    score: [f64; CHANGES],
-}
-
-const NOTHING: OfJoint = OfJoint { information: [[0.0; CHANGES]; CHANGES], score: [0.0; CHANGES] };
-
-/// The place of a joint's change among those of the robot: three of each joint, then the payload's.
-pub(super) fn place(joints: usize, joint: usize, change: usize) -> usize {
-    if change < 3 { 3 * joint + change } else { 3 * (joints - 1) + change }
-}
-
-/// The number of changes of a robot.
-pub(super) fn changes_of(joints: usize) -> usize {
-    3 * joints + CHANGES - 3
-}
-
-/// The changes that act on a joint.
-pub(super) fn of_joint(changes: &[f64], joint: usize) -> [f64; CHANGES] {
-    let joints = (changes.len() + 3 - CHANGES) / 3;
-    std::array::from_fn(|change| changes[place(joints, joint, change)])
+    layout: Layout,
+    information: Matrix,
+    score: Vec<f64>,
 }
 
 impl Sums {
-    pub(super) fn zeros(joints: usize) -> Self {
-        Self { joints: vec![NOTHING; joints] }
+    pub(super) fn zeros(layout: Layout) -> Self {
+        let size = layout.all();
+        Self { layout, information: Matrix::zeros(size, size), score: vec![0.0; size] }
     }
 
     /// Adds a row with a weight: one over its variance.
     pub(super) fn add_row(&mut self, joint: usize, row: &Row, weight: f64) {
-        let OfJoint { information, score } = &mut self.joints[joint];
-        for (i, x) in row.x.iter().enumerate() {
-            let weighted = weight * x;
-            score[i] += weighted * row.y;
-            information[i].iter_mut().zip(&row.x).for_each(|(sum, other)| *sum += weighted * other);
+        let places = self.layout.places(joint);
+        let mut x = row.x.iter();
+        for place in places.iter().cloned().flatten() {
+            let Some(weighted) = x.next().map(|x| weight * x).filter(|weighted| *weighted != 0.0) else { continue };
+            self.score[place] += weighted * row.y;
+            let (column, mut first) = (self.information.column_mut(place), 0);
+            for part in &places {
+                let others = &row.x[first..first + part.len()];
+                column[part.clone()].iter_mut().zip(others).for_each(|(sum, other)| *sum += weighted * other);
+                first += part.len();
+            }
         }
     }
 
     pub(super) fn add(&mut self, other: &Self) {
-        for (own, other) in self.joints.iter_mut().zip(&other.joints) {
-            own.score.iter_mut().zip(&other.score).for_each(|(a, b)| *a += b);
-            for (row, other) in own.information.iter_mut().zip(&other.information) {
-                row.iter_mut().zip(other).for_each(|(a, b)| *a += b);
-            }
-        }
+        self.score.iter_mut().zip(&other.score).for_each(|(a, b)| *a += b);
+        self.information = self.information.plus(&other.information, 1.0);
     }
 
     /// The same for rows less the torque of some changes.
     pub(super) fn less(&mut self, changes: &[f64]) {
-        for (j, own) in self.joints.iter_mut().enumerate() {
-            let changes = of_joint(changes, j);
-            for (score, row) in own.score.iter_mut().zip(&own.information) {
-                *score -= row.iter().zip(&changes).map(|(a, b)| a * b).sum::<f64>();
-            }
-        }
+        let torque = self.information.times(changes);
+        self.score.iter_mut().zip(torque).for_each(|(score, torque)| *score -= torque);
     }
 
-    /// The sums with the information and score of a joint's own changes alone: friction and offset.
+    /// The information and score of a joint's friction and offset alone.
     pub(super) fn own(&self, joint: usize) -> (Matrix, Vec<f64>) {
-        let OfJoint { information, score } = &self.joints[joint];
-        (Matrix::from_fn(3, 3, |i, k| information[i][k]), score[..3].to_vec())
+        let [own, ..] = self.layout.places(joint);
+        let first = own.start;
+        (Matrix::from_fn(OWN, OWN, |i, k| self.information.at(first + i, first + k)), self.score[own].to_vec())
     }
 
     /// The information and the score of all changes.
-    pub(super) fn all(&self) -> (Matrix, Vec<f64>) {
-        let joints = self.joints.len();
-        let mut information = Matrix::zeros(changes_of(joints), changes_of(joints));
-        let mut score = vec![0.0; changes_of(joints)];
-        for (j, own) in self.joints.iter().enumerate() {
-            for i in 0..CHANGES {
-                let row = place(joints, j, i);
-                score[row] += own.score[i];
-                for k in 0..CHANGES {
-                    *information.at_mut(row, place(joints, j, k)) += own.information[i][k];
-                }
-            }
-        }
-        (information, score)
+    pub(super) fn all(&self) -> (&Matrix, &[f64]) {
+        (&self.information, &self.score)
     }
 }
 
@@ -100,12 +69,12 @@ impl Sums {
 /// numbers.
 pub(super) fn posterior(precision: &Matrix, sums: &Sums) -> Option<(Vec<f64>, Matrix)> {
     let (information, score) = sums.all();
-    let precision = precision.plus(&information, 1.0);
-    let changes = precision.cholesky()?.solve(&score);
+    let precision = precision.plus(information, 1.0);
+    let changes = precision.cholesky()?.solve(score);
     Some((changes, precision))
 }
 
-/// What rows show beyond an error of the baseline: `u` and `W`.
+/// What rows show beyond an error of the baseline, of the changes that are said: `u` and `W`.
 pub(super) struct Unexplained {
     score: Vec<f64>,
     information: Matrix,
@@ -115,9 +84,12 @@ impl Unexplained {
     /// Of rows whose baseline has this precision; `None` where the sums are no numbers.
     pub(super) fn of(precision: &Matrix, sums: &Sums) -> Option<Self> {
         let (information, score) = sums.all();
-        let factor = precision.plus(&information, 1.0).cholesky()?;
-        let unexplained = precision.times_matrix(&factor.solve_matrix(&information));
-        Some(Self { score: precision.times(&factor.solve(&score)), information: unexplained })
+        let factor = precision.plus(information, 1.0).cholesky()?;
+        let said: Vec<usize> = (0..sums.layout.said()).collect();
+        let shown = factor.solve_matrix(&information.select_columns(&said));
+        // P (P + J)^-1 J, not J - J (P + J)^-1 J, whose difference is of rounding errors where J is much larger than P.
+        let rows = precision.select_columns(&said);
+        Some(Self { score: rows.transpose_times(&factor.solve(score)), information: rows.transposed_times(&shown) })
     }
 
     /// The ratio of likelihoods between a change of some parameters with these prior deviations, and none.
@@ -157,12 +129,14 @@ mod tests {
     #[test]
     fn the_ratio_is_that_of_two_gaussians() {
         let (rows, mean, baseline, change) = (40.0, 0.6, 25.0, 2.0);
-        let mut sums = Sums::zeros(1);
-        let mut row = Row { y: mean, ..Row::default() };
+        let layout = Layout { joints: 1, model: 0 };
+        let mut sums = Sums::zeros(layout);
+        let mut row = Row { y: mean, ..Row::zeros(layout.of_joint()) };
         row.x[2] = 1.0;
         (0..40).for_each(|_| sums.add_row(0, &row, 1.0));
-        let precision = Matrix::from_fn(CHANGES, CHANGES, |i, k| if i == k { baseline } else { 0.0 });
-        let found = Unexplained::of(&precision, &sums).unwrap().ratio(&[2], &[change; CHANGES]).unwrap();
+        let size = layout.all();
+        let precision = Matrix::from_fn(size, size, |i, k| if i == k { baseline } else { 0.0 });
+        let found = Unexplained::of(&precision, &sums).unwrap().ratio(&[2], &vec![change; size]).unwrap();
         let log_density = |variance: f64| -0.5 * (variance.ln() + mean * mean / variance);
         let before = 1.0 / rows + 1.0 / baseline;
         let expected = log_density(before + change * change) - log_density(before);
@@ -170,14 +144,5 @@ mod tests {
         let weight = change * change / (before + change * change);
         assert!((found.changes[0] - weight * mean).abs() < 1e-12);
         assert!((found.deviations[0].powi(2) - change * change * (1.0 - weight)).abs() < 1e-12);
-    }
-
-    #[test]
-    fn changes_have_their_places() {
-        let places: Vec<usize> = (0..2).flat_map(|j| (0..5).map(move |c| place(2, j, c))).collect();
-        assert_eq!(places, [0, 1, 2, 6, 7, 3, 4, 5, 6, 7]);
-        assert_eq!(changes_of(2), 6 + 10);
-        let changes: Vec<f64> = (0..16).map(f64::from).collect();
-        assert_eq!(of_joint(&changes, 1)[..5], [3.0, 4.0, 5.0, 6.0, 7.0]);
     }
 }

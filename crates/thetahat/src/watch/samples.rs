@@ -11,7 +11,7 @@ use thetahat_data::recording::{ChannelSource, Side, SignalStream};
 use thetahat_ground::series::Series;
 
 /// Samples whose steps show the rate.
-const STEPS: usize = 50;
+const STEPS: usize = 1000;
 
 /// Positions and torques of the joints at an instant.
 #[derive(Debug, Clone, PartialEq)]
@@ -113,7 +113,7 @@ impl GrowingText {
         })
     }
 
-    /// Samples per second: stated, or by the median of the first steps; `None` until these are known.
+    /// Samples per second: stated, or by the mean of the first steps; `None` until these are known.
     #[must_use]
     pub fn rate_hz(&self) -> Option<f64> {
         self.rate_hz
@@ -168,10 +168,12 @@ impl GrowingText {
     }
 }
 
-/// The rate by the median step.
+/// The rate by the mean of the usual steps: stamps are often rounded, gaps are no steps.
 fn rate_of(samples: &[Sample]) -> Option<f64> {
     let mut steps: Vec<f64> = samples.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
     steps.retain(|step| *step > 0.0 && step.is_finite());
     steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).map(|step| 1.0 / step)
+    let median = *steps.get(steps.len() / 2)?;
+    steps.retain(|step| (0.5 * median..1.5 * median).contains(step));
+    Some(steps.len() as f64 / steps.iter().sum::<f64>())
 }

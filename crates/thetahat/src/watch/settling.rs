@@ -4,9 +4,12 @@
 //! autoregression of each joint, the second as a factor on the variance, by which the means of seconds differ more than that.
 
 use super::{
-    likelihood::{Sums, changes_of, of_joint, posterior},
-    step::Step,
-    subject::Row,
+    layout::{Layout, OWN},
+    likelihood::{Sums, posterior},
+    scale::Scales,
+    second::Second,
+    step::{Row, Step},
+    whitening::{BlockNoise, Whitening},
 };
 use thetahat_ground::linear_algebra::Matrix;
 
@@ -19,17 +22,6 @@ const LARGEST: f64 = 0.95;
 /// Deviations by which the factor on the variance is raised for being known from a few seconds: its upper 95 % bound.
 const BOUND: f64 = 1.645;
 
-/// The noise of a joint's blocks.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct BlockNoise {
-    /// Correlation of neighbours.
-    pub(super) correlation: f64,
-    /// Deviation of what a block adds to that, N m or N.
-    pub(super) deviation: f64,
-    /// The factor on its variance that it has for lasting errors.
-    pub(super) inflation: f64,
-}
-
 /// What the first seconds show.
 #[derive(Debug, Clone)]
 pub(super) struct Settled {
@@ -39,58 +31,53 @@ pub(super) struct Settled {
     pub(super) precision: Matrix,
     /// The noise of each joint; `None` of those that did not move enough.
     pub(super) noise: Vec<Option<BlockNoise>>,
-}
-
-/// Rows of blocks less what is correlated with the block before, in which the joint moves as well.
-#[derive(Debug, Clone)]
-pub(super) struct Whitening {
-    before: Vec<Option<Row>>,
-}
-
-impl Whitening {
-    pub(super) fn new(joints: usize) -> Self {
-        Self { before: vec![None; joints] }
-    }
-
-    /// The row of a joint in a block.
-    pub(super) fn push(&mut self, joint: usize, block: &Step, correlation: f64) -> Option<Row> {
-        let row = Some(block.rows[joint]).filter(|_| !block.rest[joint]);
-        let before = std::mem::replace(&mut self.before[joint], row);
-        let row = row?;
-        Some(match before {
-            Some(before) => row.less(&before, correlation),
-            None => row.scaled((1.0 - correlation * correlation).sqrt()),
-        })
-    }
+    pub(super) scales: Scales,
 }
 
 impl Settled {
-    /// Of blocks without gaps; `prior` are the deviations of the changes that are believed before.
-    pub(super) fn of(blocks: &[Step], blocks_per_tick: usize, prior: &[f64]) -> Option<Self> {
-        let joints = blocks.first()?.rows.len();
-        let before = |i: usize, k: usize| if i == k { prior[i].powi(-2) } else { 0.0 };
-        let before = Matrix::from_fn(changes_of(joints), changes_of(joints), before);
-        let mut noise: Vec<_> = (0..joints).map(|j| first_noise(blocks, j)).collect();
-        let mut fitted = posterior(&before, &whitened(blocks, &noise))?;
+    /// Of blocks without gaps; `before` is the precision of the changes that are believed before.
+    pub(super) fn of(
+        layout: Layout,
+        blocks: &[Step],
+        blocks_per_tick: usize,
+        rest: &[f64],
+        before: &Matrix,
+    ) -> Option<Self> {
+        let mut noise: Vec<_> = (0..layout.joints).map(|j| first_noise(blocks, j)).collect();
+        let mut fitted = posterior(before, &whitened(layout, blocks, &noise))?;
         for _ in 0..PASSES {
-            noise = (0..joints).map(|j| noise[j].and_then(|_| noise_of(blocks, j, &fitted.0))).collect();
-            fitted = posterior(&before, &whitened(blocks, &noise))?;
+            let of = |j: usize| noise[j].and_then(|_| noise_of(blocks, j, &layout.pick(&fitted.0, j)));
+            noise = (0..layout.joints).map(of).collect();
+            fitted = posterior(before, &whitened(layout, blocks, &noise))?;
         }
-        let ticks: Vec<Sums> = blocks.chunks_exact(blocks_per_tick).map(|blocks| whitened(blocks, &noise)).collect();
+        let mut whitening = Whitening::new(layout.joints);
+        let second = |blocks: &[Step]| {
+            let mut second = Second::new(layout.joints);
+            blocks.iter().for_each(|block| second.push(&mut whitening, &noise, block));
+            second
+        };
+        let seconds: Vec<Second> = blocks.chunks_exact(blocks_per_tick).map(second).collect();
+        let mut scales = Scales::new(rest, seconds.len(), &whitened(layout, blocks, &noise));
+        let sums = |noise: &[Option<BlockNoise>]| -> Vec<Sums> {
+            let unit = Scales::units(rest);
+            seconds.iter().map(|second| second.sums(layout, noise, &unit, &fitted.0)).collect()
+        };
+        let white = sums(&noise);
         for (j, noise) in noise.iter_mut().enumerate() {
             let Some(noise) = noise else { continue };
-            noise.inflation = inflation(&ticks, j, &fitted.0);
+            noise.inflation = inflation(&white, &scales, j);
             noise.deviation *= noise.inflation.sqrt();
         }
-        let (baseline, precision) = posterior(&before, &whitened(blocks, &noise))?;
-        Some(Self { baseline, precision, noise })
+        sums(&noise).iter().zip(&seconds).for_each(|(sums, second)| scales.push(sums, &second.speeds()));
+        let (baseline, precision) = posterior(before, &whitened(layout, blocks, &noise))?;
+        Some(Self { baseline, precision, noise, scales })
     }
 }
 
 /// The sums of whitened blocks.
-fn whitened(blocks: &[Step], noise: &[Option<BlockNoise>]) -> Sums {
+fn whitened(layout: Layout, blocks: &[Step], noise: &[Option<BlockNoise>]) -> Sums {
     let mut whitening = Whitening::new(noise.len());
-    let mut sums = Sums::zeros(noise.len());
+    let mut sums = Sums::zeros(layout);
     for block in blocks {
         for (j, noise) in noise.iter().enumerate() {
             let Some(noise) = noise else { continue };
@@ -114,12 +101,11 @@ fn first_noise(blocks: &[Step], joint: usize) -> Option<BlockNoise> {
     (count >= FEWEST_BLOCKS).then_some(BlockNoise { correlation: 0.0, deviation, inflation: 1.0 })
 }
 
-/// The noise of a joint's residual after some changes.
+/// The noise of a joint's residual after some changes of its row.
 fn noise_of(blocks: &[Step], joint: usize, changes: &[f64]) -> Option<BlockNoise> {
-    let changes = of_joint(changes, joint);
     let error = |block: &Step| {
         let row = &block.rows[joint];
-        (!block.rest[joint]).then(|| row.y - row.torque(&changes))
+        (!block.rest[joint]).then(|| row.y - row.torque(changes))
     };
     let errors: Vec<Option<f64>> = blocks.iter().map(error).collect();
     let count = errors.iter().flatten().count();
@@ -137,25 +123,10 @@ fn noise_of(blocks: &[Step], joint: usize, changes: &[f64]) -> Option<BlockNoise
 }
 
 /// The square of the seconds' scores over what whitened noise gives: at least one, and by the upper bound of what so few seconds show.
-fn inflation(ticks: &[Sums], joint: usize, changes: &[f64]) -> f64 {
-    let Some(mut total) = ticks.first().cloned() else { return 1.0 };
-    ticks[1..].iter().for_each(|tick| total.add(tick));
-    let (all, _) = total.own(joint);
-    // A hundredth of the mean information keeps what is not excited in a second out.
-    let floor =
-        |i: usize, k: usize| if i == k { 1e-2 * all.at(i, i).max(f64::MIN_POSITIVE) / ticks.len() as f64 } else { 0.0 };
-    let floor = Matrix::from_fn(3, 3, floor);
-    let (mut found, mut expected) = (0.0, 0.0);
-    for tick in ticks {
-        let mut tick = tick.clone();
-        tick.less(changes);
-        let (information, score) = tick.own(joint);
-        let Some(factor) = information.plus(&floor, 1.0).cholesky() else { continue };
-        found += factor.solve(&score).iter().zip(&score).map(|(a, b)| a * b).sum::<f64>();
-        let part = factor.solve_matrix(&information);
-        expected += (0..3).map(|i| part.at(i, i)).sum::<f64>();
-    }
-    let expected = (expected - 3.0).max(1.0);
+fn inflation(seconds: &[Sums], scales: &Scales, joint: usize) -> f64 {
+    let squares = seconds.iter().filter_map(|second| scales.square(second, joint));
+    let [found, expected] = squares.fold([0.0; 2], |[f, e], [found, expected]| [f + found, e + expected]);
+    let expected = (expected - OWN as f64).max(1.0);
     (found / expected * (1.0 + BOUND * (2.0 / expected).sqrt())).max(1.0)
 }
 
@@ -166,7 +137,7 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     use super::*;
-    use crate::watch::subject::CHANGES;
+    const LAYOUT: Layout = Layout { joints: 1, model: 0 };
 
     /// One joint that swings, with noise of deviation 0.2 and correlation 0.5, and friction that is 0.3 and 0.4 more than identified.
     fn blocks(count: usize) -> Vec<Step> {
@@ -176,17 +147,22 @@ mod tests {
             let white: f64 = StandardNormal.sample(&mut generator);
             noise = 0.5 * noise + 0.2 * white;
             let dq = (0.13 * k as f64).sin();
-            let mut x = [0.0; CHANGES];
-            x[..3].copy_from_slice(&[dq, dq.signum(), 1.0]);
-            let row = Row { y: 0.3 * dq + 0.4 * dq.signum() + noise, x, ..Row::default() };
+            let mut row = Row { y: 0.3 * dq + 0.4 * dq.signum() + noise, ..Row::zeros(LAYOUT.of_joint()) };
+            row.x[..OWN].copy_from_slice(&[dq, dq.signum(), 1.0]);
             Step { time_s: 0.05 * k as f64, rows: vec![row], rest: vec![dq.abs() < 0.1] }
         };
         (0..count).map(block).collect()
     }
 
+    fn settled(blocks: &[Step]) -> Option<Settled> {
+        let size = LAYOUT.all();
+        let believed = Matrix::from_fn(size, size, |i, k| if i == k { 1e-2 } else { 0.0 });
+        Settled::of(LAYOUT, blocks, 20, &[0.1], &believed)
+    }
+
     #[test]
     fn baseline_and_noise_are_found() {
-        let settled = Settled::of(&blocks(4000), 20, &[10.0; CHANGES]).unwrap();
+        let settled = settled(&blocks(4000)).unwrap();
         let noise = settled.noise[0].unwrap();
         assert!((noise.correlation - 0.5).abs() < 0.05, "{noise:?}");
         assert!((noise.deviation / noise.inflation.sqrt() - 0.2).abs() < 0.01, "{noise:?}");
@@ -200,6 +176,6 @@ mod tests {
     fn a_joint_that_rests_has_no_noise() {
         let mut blocks = blocks(200);
         blocks.iter_mut().for_each(|block| block.rest[0] = true);
-        assert_eq!(Settled::of(&blocks, 20, &[10.0; CHANGES]).unwrap().noise, [None]);
+        assert_eq!(settled(&blocks).unwrap().noise, [None]);
     }
 }

@@ -2,7 +2,20 @@
 
 use std::collections::VecDeque;
 
-use super::subject::{CHANGES, Row};
+use super::layout::Layout;
+
+/// Torques of an instant, or their mean, of one joint.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Row {
+    /// Measured torque less the model's, N m or N.
+    pub(super) y: f64,
+    /// The torque of a unit of each change that acts on the joint.
+    pub(super) x: Vec<f64>,
+    /// The model's Coulomb friction, N m or N.
+    pub(super) friction: f64,
+    /// The square of the measured torque.
+    pub(super) square: f64,
+}
 
 /// The mean of some samples.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +29,10 @@ pub(super) struct Step {
 }
 
 impl Row {
+    pub(super) fn zeros(changes: usize) -> Self {
+        Self { y: 0.0, x: vec![0.0; changes], friction: 0.0, square: 0.0 }
+    }
+
     pub(super) fn add(&mut self, other: &Self) {
         self.y += other.y;
         self.friction += other.friction;
@@ -39,7 +56,7 @@ impl Row {
     }
 
     /// The torque of some changes.
-    pub(super) fn torque(&self, changes: &[f64; CHANGES]) -> f64 {
+    pub(super) fn torque(&self, changes: &[f64]) -> f64 {
         self.x.iter().zip(changes).map(|(x, c)| x * c).sum()
     }
 }
@@ -54,12 +71,21 @@ pub(super) struct Mean {
 }
 
 impl Mean {
-    pub(super) fn new(joints: usize, length: usize) -> Self {
-        Self { length, count: 0, rows: vec![Row::default(); joints], rest: vec![false; joints] }
+    pub(super) fn new(layout: Layout, length: usize) -> Self {
+        let Layout { joints, .. } = layout;
+        Self { length, count: 0, rows: vec![Row::zeros(layout.of_joint()); joints], rest: vec![false; joints] }
+    }
+
+    pub(super) fn length(&self) -> usize {
+        self.length
     }
 
     pub(super) fn restart(&mut self) {
-        *self = Self::new(self.rows.len(), self.length);
+        self.count = 0;
+        self.rest.fill(false);
+        for row in &mut self.rows {
+            *row = Row::zeros(row.x.len());
+        }
     }
 
     /// Adds rows; the mean of as many as it takes.
@@ -71,7 +97,7 @@ impl Mean {
             return None;
         }
         let factor = 1.0 / self.length as f64;
-        let rows = self.rows.iter().map(|row| row.scaled(factor)).collect();
+        let rows = self.rows.iter().map(|row| row.clone().scaled(factor)).collect();
         let step = Step { time_s, rows, rest: self.rest.clone() };
         self.restart();
         Some(step)
@@ -123,7 +149,7 @@ mod tests {
     #[test]
     fn neighbours_of_rest_are_marked_on_both_sides() {
         let mut near = NearRest::new(1, 2);
-        let step = |k: usize| Step { time_s: k as f64, rows: vec![Row::default()], rest: vec![k == 5] };
+        let step = |k: usize| Step { time_s: k as f64, rows: vec![Row::zeros(1)], rest: vec![k == 5] };
         let marked: Vec<bool> = (0..12).filter_map(|k| near.push(step(k))).map(|step| step.rest[0]).collect();
         let expected: Vec<bool> = (0..10).map(|k| (3..=7).contains(&k)).collect();
         assert_eq!(marked, expected);
@@ -131,8 +157,9 @@ mod tests {
 
     #[test]
     fn a_mean_is_near_rest_where_one_of_its_samples_is() {
-        let mut mean = Mean::new(2, 2);
-        let row = |y: f64| Row { y, ..Row::default() };
+        let layout = Layout { joints: 2, model: 0 };
+        let mut mean = Mean::new(layout, 2);
+        let row = |y: f64| Row { y, ..Row::zeros(layout.of_joint()) };
         assert_eq!(mean.push(0.0, &[row(1.0), row(3.0)], |j| j == 1), None);
         let step = mean.push(1.0, &[row(3.0), row(5.0)], |_| false).unwrap();
         assert_eq!((step.rows[0].y, step.rows[1].y, step.rest), (2.0, 4.0, vec![false, true]));

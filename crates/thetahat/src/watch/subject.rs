@@ -2,26 +2,30 @@
 
 use std::path::Path;
 
-use super::error::WatchError;
+use super::{
+    error::WatchError,
+    layout::{CURVE, Layout, OWN, PAYLOAD},
+    step::Row,
+};
 use crate::{
     experiment::{EstimateRequest, Experiment, ExperimentError, IdentifiedRobot},
     preparation::{PositionFilter, SignalOptions},
 };
 use thetahat_estimation::signal::CausalBandPass;
+use thetahat_ground::linear_algebra::Matrix;
 use thetahat_model::{
+    base_parameters::BaseParameter,
     dynamics::{Model, Sign, State, Workspace},
     regressor::Regressor,
 };
-use thetahat_report::results::{JointResult, Results, Verdict, VerdictReason};
+use thetahat_report::results::{JointResult, ParameterResult, Results, Verdict, VerdictReason};
 
 /// Scales of the friction's transition at which its sign is known: `tanh(4) = 0.9993`.
 const SCALES: f64 = 4.0;
 /// Part of the sample rate over the decimation that a smoother's motion is filtered at: the band of the rows.
 const SMOOTHER: f64 = 1.0;
-/// Names of a payload's parameters in the frame of the last link.
-pub(super) const PAYLOAD: [&str; 10] = ["m", "mx", "my", "mz", "xx", "xy", "xz", "yy", "yz", "zz"];
-/// Changes that act on one joint: viscous and Coulomb friction and offset of its own, and a payload's.
-pub(super) const CHANGES: usize = 3 + PAYLOAD.len();
+/// Rest velocities over which the curves of friction near rest fall by a factor e.
+const NEAR_REST: [f64; 3] = [2.0, 6.0, 20.0];
 
 /// A robot with the parameters that were identified.
 #[derive(Debug, Clone)]
@@ -31,21 +35,13 @@ pub struct WatchedRobot {
     regressor: Regressor,
     /// Parameters of the regressor's first columns; the payload's follow.
     theta: Vec<f64>,
+    /// The place of each regressor's column in a row; `None` of friction and of what was given.
+    places: Vec<Option<usize>>,
+    layout: Layout,
+    /// Covariance of the model's parameters in a row.
+    covariance: Matrix,
     sign: Sign,
     rest_velocity: Vec<f64>,
-}
-
-/// Torques of an instant, joint by joint.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Row {
-    /// Measured torque less the model's, N m or N.
-    pub(super) y: f64,
-    /// The torque of a unit of each change.
-    pub(super) x: [f64; CHANGES],
-    /// The model's Coulomb friction, N m or N.
-    pub(super) friction: f64,
-    /// The square of the measured torque.
-    pub(super) square: f64,
 }
 
 /// A drive's identified friction.
@@ -83,16 +79,28 @@ impl WatchedRobot {
         let fixed = &identified.settings.parameters.fix;
         let fixed = fixed.iter().filter_map(|(name, value)| Some((table.index_of(name)?, *value)));
         let (mut columns, theta): (Vec<usize>, Vec<f64>) = base.chain(fixed).unzip();
-        let last = model.link_count();
-        columns.extend(PAYLOAD.iter().filter_map(|name| table.index_of(&format!("{name}{last}"))));
+        let (last, joints) = (model.link_count(), model.coordinate_count());
+        let uncertain = Uncertain::of(&identified, &own_names(joints));
+        let layout = Layout { joints, model: uncertain.columns.len() };
+        let mut places = vec![None; columns.len()];
+        (layout.of_joint() - layout.model..)
+            .zip(&uncertain.columns)
+            .for_each(|(place, column)| places[*column] = Some(place));
+        for (place, name) in (OWN..).zip(PAYLOAD) {
+            if let Some(column) = table.index_of(&format!("{name}{last}")) {
+                columns.push(column);
+                places.push(Some(place));
+            }
+        }
         let transition = match &identified.model {
             Some(model) => model.friction_transition,
             None => identified.settings.simulation.sign_velocity_scale,
         };
         let sign = identified.model.as_ref().map_or(Sign::Exact, |_| Sign::Smooth { scale: transition });
         let regressor = Regressor::new(&model, &columns);
-        let rest_velocity = rest_velocity(results, SCALES * transition, model.coordinate_count());
-        Self { identified, model, regressor, theta, sign, rest_velocity }
+        let rest_velocity = rest_velocity(results, SCALES * transition, joints);
+        let covariance = uncertain.covariance;
+        Self { identified, model, regressor, theta, places, layout, covariance, sign, rest_velocity }
     }
 
     /// Number of its coordinates.
@@ -161,24 +169,102 @@ impl WatchedRobot {
     }
 
     pub(super) fn scratch(&self) -> Scratch {
-        Scratch { workspace: Workspace::new(&self.model), phi: vec![0.0; self.regressor.entries().len()] }
+        Scratch {
+            workspace: Workspace::new(&self.model),
+            phi: vec![0.0; self.regressor.entries().len()],
+            before: Vec::new(),
+        }
+    }
+
+    pub(super) fn layout(&self) -> Layout {
+        self.layout
+    }
+
+    /// The covariance of the model's parameters without friction and offsets.
+    pub(super) fn covariance(&self) -> &Matrix {
+        &self.covariance
     }
 
     /// The rows of an instant from its motion and measured torques.
-    pub(super) fn rows(&self, [q, dq, ddq]: [&[f64]; 3], torque: &[f64], scratch: &mut Scratch, rows: &mut [Row]) {
-        let Scratch { workspace, phi } = scratch;
+    pub(super) fn rows(
+        &self,
+        [q, dq, ddq]: [&[f64]; 3],
+        torque: &[f64],
+        sample_s: f64,
+        scratch: &mut Scratch,
+        rows: &mut [Row],
+    ) {
+        let Scratch { workspace, phi, .. } = scratch;
         self.regressor.evaluate(&self.model, State::new(q, dq), ddq, self.sign, workspace, phi);
         for (j, row) in rows.iter_mut().enumerate() {
             let sign = self.sign.of(dq[j]);
-            *row = Row { y: torque[j], x: [0.0; CHANGES], friction: sign, square: torque[j].powi(2) };
-            row.x[..3].copy_from_slice(&[dq[j], sign, 1.0]);
+            (row.y, row.friction, row.square) = (torque[j], sign, torque[j].powi(2));
+            row.x.fill(0.0);
+            row.x[..OWN].copy_from_slice(&[dq[j], sign, 1.0]);
+            let curve = &mut row.x[OWN + PAYLOAD.len()..][..CURVE];
+            for (curve, times) in curve.iter_mut().zip(NEAR_REST) {
+                *curve = sign * (-dq[j].abs() / (times * self.rest_velocity[j])).exp();
+            }
+            curve[CURVE - 2] = dq[j].abs();
         }
         for (entry, value) in self.regressor.entries().iter().zip(phi.iter()) {
-            match self.theta.get(entry.column) {
-                Some(theta) => rows[entry.joint].y -= value * theta,
-                None => rows[entry.joint].x[3 + entry.column - self.theta.len()] = *value,
+            if let Some(theta) = self.theta.get(entry.column) {
+                rows[entry.joint].y -= value * theta;
+            }
+            if let Some(place) = self.places[entry.column] {
+                rows[entry.joint].x[place] = *value;
             }
         }
+        for (j, row) in rows.iter_mut().enumerate() {
+            let now = torque[j] - row.y;
+            let before = scratch.before.get(j).copied().unwrap_or(now);
+            row.x[OWN + PAYLOAD.len() + CURVE - 1] = (now - before) / sample_s;
+        }
+        scratch.before.clear();
+        scratch.before.extend(rows.iter().zip(torque).map(|(row, torque)| torque - row.y));
+    }
+}
+
+/// Names of the joints' own friction and offsets.
+fn own_names(joints: usize) -> Vec<String> {
+    (1..=joints).flat_map(|j| ["fv", "fc", "off"].map(|name| format!("{name}{j}"))).collect()
+}
+
+/// Parameters that the recordings know within a covariance.
+struct Uncertain {
+    /// Their columns among those of the base parameters.
+    columns: Vec<usize>,
+    covariance: Matrix,
+}
+
+impl Uncertain {
+    /// Those of a robot without some.
+    fn of(identified: &IdentifiedRobot, without: &[String]) -> Self {
+        let run = &identified.run;
+        let deviation = |p: usize| {
+            let ParameterResult { standard_deviation_robust, standard_deviation, .. } = run.parameters[p];
+            standard_deviation_robust.or(standard_deviation).unwrap_or(0.0)
+        };
+        // The covariance's entry of a pair, or the deviations alone where a run has none.
+        let at = |i: usize, k: usize| match run.covariance.get(i.max(k) * (i.max(k) + 1) / 2 + i.min(k)) {
+            Some(value) => *value,
+            None => {
+                if i == k {
+                    deviation(i).powi(2)
+                } else {
+                    0.0
+                }
+            }
+        };
+        let found = |(column, parameter): (usize, &BaseParameter)| {
+            let place = run.parameters.iter().position(|p| p.name == parameter.name)?;
+            let is_own = without.iter().any(|name| *name == parameter.name);
+            (!is_own && at(place, place) > 0.0).then_some((column, place))
+        };
+        let (columns, places): (Vec<_>, Vec<_>) =
+            identified.base.parameters().iter().enumerate().filter_map(found).unzip();
+        let covariance = Matrix::from_fn(places.len(), places.len(), |i, k| at(places[i], places[k]));
+        Self { columns, covariance }
     }
 }
 
@@ -195,4 +281,12 @@ fn rest_velocity(results: &Results, of_friction: f64, joints: usize) -> Vec<f64>
 pub(super) struct Scratch {
     workspace: Workspace,
     phi: Vec<f64>,
+    /// The model's torques of the sample before; empty after a gap.
+    before: Vec<f64>,
+}
+
+impl Scratch {
+    pub(super) fn restart(&mut self) {
+        self.before.clear();
+    }
 }
