@@ -30,6 +30,9 @@ const WRONG_DEG: f64 = 10.0;
 /// Change of direction in degrees beyond which parameters of the other sign explain as much: exchanged arms of a torso look like a robot
 /// that hangs.
 const TURNED_DEG: f64 = 90.0;
+/// Relative error of the fit below which a derivative by gravity says whether another direction explains more: the links of a fit with a
+/// very different gravity say nothing of it.
+const WELL: f64 = 0.05;
 /// Most steps of Gauss-Newton.
 const STEPS: usize = 6;
 /// Part by which a step must reduce the squared residual.
@@ -99,7 +102,7 @@ fn better(recording: &ThinnedRecording<'_>, stated: Vec3) -> Option<Better> {
     let stated_fit = GravityFit::new(recording, stated)?;
     let squares = stated_fit.squares();
     let reach = squares / stated_fit.fit_with_directions(recording, &AXES)?.squares;
-    if reach < LIMIT {
+    if reach < LIMIT && stated_fit.fit.relative_error() < WELL {
         return Some(Better { gravity: stated, squares: squares / reach, stated: stated_fit });
     }
     let along = |axis: &Vec3| [length, -length].map(|l| scale(l, *axis));

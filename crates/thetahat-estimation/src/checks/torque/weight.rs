@@ -23,7 +23,7 @@ use thetahat_ground::{
 /// Largest part of the described weight that such torques hold.
 const LEAST_WEIGHT: f64 = 0.1;
 /// The same of torques of which the driver subtracts a model of its own, whose masses are wrong.
-const PART_OF_WEIGHT: f64 = 0.5;
+const PART_OF_WEIGHT: f64 = 0.7;
 /// Steps of Gauss-Newton on the strength of gravity.
 const STEPS: usize = 3;
 

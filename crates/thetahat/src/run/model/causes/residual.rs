@@ -113,8 +113,11 @@ impl Residual {
         let along = basis.transpose_times(&self.rest);
         let statistic = dot(&along, &along);
         let log10_p = log10_tail(statistic, rank)? + (cause.searched as f64).log10();
-        let is_full = rank == cause.columns.len();
-        let coefficients = if is_full { factor.solve(&self.rest) } else { Vec::new() };
+        // Columns that the motion does not separate from the others keep their size of zero.
+        let separated = &factor.pivots()[..rank];
+        let sizes = PivotedQr::with_equal_columns(&columns.select_columns(separated)).solve(&self.rest);
+        let mut coefficients = vec![0.0; cause.columns.len()];
+        separated.iter().zip(sizes).for_each(|(&column, size)| coefficients[seen[column]] = size);
         let size = match cause.columns.len() {
             1 => coefficients.first().map(|size| [*size, 1.0 / norm(columns.column(0))]),
             _ => None,
