@@ -72,7 +72,7 @@ pub const FINDINGS: [[&str; 4]; 43] = [
     [
         "joints-swapped",
         "problem, warning",
-        "ratio for positions, torques or both of two joints exchanged ({checks/torque/hypotheses MANY_LIMIT}); for two joints that are alike, such as those of a wrist, deviations by which the likelihood is larger with both exchanged ({checks/torque/alike LIKELY}; a problem from {checks/torque/alike CERTAIN})",
+        "ratio for positions, torques or both of two joints exchanged ({checks/torque/hypotheses MANY_LIMIT}), or in any other order ({checks/torque/hypotheses ORDER_LIMIT}); for two joints that are alike, such as those of a wrist, deviations by which the likelihood is larger with both exchanged ({checks/torque/alike LIKELY}; a problem from {checks/torque/alike CERTAIN})",
         "exchange the columns in the experiment file",
     ],
     [
