@@ -185,6 +185,16 @@ impl ConsistentSet {
         Ok(set)
     }
 
+    /// The same with usual sizes of at least these, of the numbers that cannot be negative and of which a size is believed.
+    #[must_use]
+    pub fn with_sizes_at_least(mut self, least: &[f64]) -> Self {
+        let believed: Vec<usize> = (0..least.len()).filter(|i| self.is_believed_positive(*i)).collect();
+        for i in believed {
+            self.beliefs.sizes[i] = self.beliefs.sizes[i].max(least[i]);
+        }
+        self
+    }
+
     /// Makes the usual sizes of coupled motors so small that they are in the set together with those of the joints: two motors that
     /// turn with the same joints may have more between them than a light joint of the two.
     fn shrink_coupling(&mut self, motors: &MotorMatrix) {

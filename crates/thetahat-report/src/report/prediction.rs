@@ -12,6 +12,9 @@ use super::{
 use crate::results::Prediction;
 use thetahat_ground::visible::visible;
 
+/// Times the largest speed or acceleration of the recordings from which a motion is far outside of them.
+const FAR_BEYOND: f64 = 3.0;
+
 /// Rms of each joint's prediction, its relative error where the joint moves and on all samples if torques were measured, the
 /// part of the samples near rest, and the verdict on its parameters.
 #[must_use]
@@ -40,6 +43,7 @@ pub fn prediction_text(prediction: &Prediction, width: TextWidth) -> String {
         text += "moving: without the samples near rest, where the friction's sign is not known\n";
     }
     text += &left_open(prediction, width);
+    text += &beyond(prediction, width);
     text + "\n" + &verdict::inherited(prediction.verdict, &prediction.verdict_reasons, width)
 }
 
@@ -58,6 +62,30 @@ fn left_open(prediction: &Prediction, width: TextWidth) -> String {
     wrap(&text, "", width)
 }
 
+/// The joints whose motion is far outside of the recordings: the model was never tested there.
+fn beyond(prediction: &Prediction, width: TextWidth) -> String {
+    let joints = prediction.joints.iter().zip(&prediction.beyond);
+    let each: Vec<String> = joints.filter_map(|(joint, times)| beyond_at(joint, *times)).collect();
+    if each.is_empty() {
+        return String::new();
+    }
+    let text = format!(
+        "WARNING: this motion is far outside of the recordings, where no error of the model is known: {}. Record motion like this one, \
+         and identify with it",
+        each.join("; ")
+    );
+    wrap(&text, "", width)
+}
+
+fn beyond_at(joint: &str, [speed, acceleration]: [f64; 2]) -> Option<String> {
+    let exceeds = |times: f64, what: &str| {
+        (times > FAR_BEYOND).then(|| format!("{} times their largest {what}", significant(times, 2)))
+    };
+    let both: Vec<String> =
+        [exceeds(speed, "speed"), exceeds(acceleration, "acceleration")].into_iter().flatten().collect();
+    (!both.is_empty()).then(|| format!("{} {}", visible(joint), both.join(" and ")))
+}
+
 fn percent(value: Option<f64>) -> String {
     value.map_or_else(|| "not measured".to_owned(), |v| format!("{v:.4}"))
 }
@@ -70,4 +98,17 @@ pub fn write_prediction(prediction: &Prediction, path: &Path) -> Result<(), Repo
     let mut columns = vec![("predicted", &prediction.torque)];
     columns.extend(prediction.measured.as_ref().map(|m| ("measured", m)));
     write_series(prediction.sample_rate_hz, &columns, path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_is_far_beyond_is_named() {
+        assert_eq!(beyond_at("base", [2.9, 1.0]), None);
+        assert_eq!(beyond_at("base", [40.0, 2.0]).as_deref(), Some("base 40 times their largest speed"));
+        let both = Some("base 40 times their largest speed and 10 times their largest acceleration");
+        assert_eq!(beyond_at("base", [40.0, 10.0]).as_deref(), both);
+    }
 }

@@ -82,8 +82,8 @@ pub use limited::Limited;
 #[doc(hidden)]
 pub use model::kinds_of;
 pub use model::{
-    ModelCandidate, ModelError, ModelJointError, ModelParameter, ModelResult, ModelStandardParameter, ModelUse,
-    UseGrade,
+    ModelCandidate, ModelError, ModelJoint, ModelJointError, ModelParameter, ModelResult, ModelStandardParameter,
+    ModelUse, UseGrade,
 };
 #[doc(hidden)]
 pub use parameters::NotSeparated;

@@ -10,10 +10,14 @@ use super::{
     verdict::Verdict,
 };
 use thetahat_estimation::identification::{Method, Status};
+use thetahat_ground::linear_algebra::Matrix;
 use thetahat_model::robot::TermDescription;
 
 /// Percent of a base parameter that the recordings must have decided for it to be quoted by itself.
 const QUOTED: f64 = 90.0;
+
+/// Half of a 95 % interval in deviations.
+const NORMAL_QUANTILE: f64 = 1.96;
 
 /// The physically consistent robot that predicts unseen motion best.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -51,6 +55,9 @@ pub struct ModelResult {
     /// Errors of the description that these recordings do not show unless they are larger.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub smallest_shown: Vec<SmallestShown>,
+    /// What the recordings cover and determine of each joint.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub joints: Vec<ModelJoint>,
     /// What it may be used for.
     #[serde(default)]
     pub uses: Vec<ModelUse>,
@@ -106,6 +113,19 @@ pub struct ModelJointError {
     pub rms: f64,
 }
 
+/// What the recordings cover and determine of a joint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModelJoint {
+    /// Its inertia at the recorded positions, root mean square: the diagonal of the mass matrix, kg m^2 or kg.
+    pub inertia: f64,
+    /// Deviation of the inertia by recordings and belief, percent of it.
+    pub inertia_deviation_percent: f64,
+    /// Largest speed in the windows, rad/s or m/s; `null` where only factors of the rows are known.
+    pub speed: Option<f64>,
+    /// The same of the acceleration, rad/s^2 or m/s^2.
+    pub acceleration: Option<f64>,
+}
+
 /// A base parameter of the model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModelParameter {
@@ -148,6 +168,13 @@ impl ModelParameter {
     pub fn is_decided(&self) -> bool {
         self.decided_percent >= QUOTED
     }
+
+    /// The factor of a deviation by recordings and belief that makes it the interval's, at most that of the belief.
+    fn widening(&self, deviation: f64) -> f64 {
+        let most = (1.0 - 0.01 * self.decided_percent).max(f64::MIN_POSITIVE).powf(-0.5);
+        let of_interval = self.interval_95.map_or(1.0, |[low, high]| 0.5 * (high - low) / NORMAL_QUANTILE / deviation);
+        if of_interval.is_finite() { of_interval.min(most).max(1.0) } else { 1.0 }
+    }
 }
 
 /// The kinds of torque terms, each once.
@@ -170,6 +197,20 @@ impl ModelResult {
     #[must_use]
     pub fn judged_error(&self) -> &ModelError {
         self.held_back.as_ref().or(self.unseen.as_ref()).unwrap_or(&self.fit)
+    }
+
+    /// The covariance for another motion: a deviation is no less than that of the interval, which rests on the errors of the rows as they
+    /// are, and no more than that of the belief. Correlations stay.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn open_covariance(&self) -> Matrix {
+        let entry = |i: usize, j: usize| {
+            let (low, high) = (i.min(j), i.max(j));
+            self.covariance.get(high * (high + 1) / 2 + low).copied().unwrap_or(0.0)
+        };
+        let count = self.parameters.len();
+        let factors: Vec<f64> = (0..count).map(|i| self.parameters[i].widening(entry(i, i).max(0.0).sqrt())).collect();
+        Matrix::from_fn(count, count, |i, j| factors[i] * entry(i, j) * factors[j])
     }
 
     /// The model as a run of the nominal case, for what takes estimates of a run: its base parameters with the deviations
@@ -213,7 +254,7 @@ impl ModelResult {
         for (parameter, own) in run.parameters.iter_mut().zip(&self.parameters) {
             let interval = own.interval_95.filter(|_| own.is_decided());
             parameter.interval_95 = interval;
-            let half = interval.map(|[low, high]| 0.5 * (high - low) / 1.96);
+            let half = interval.map(|[low, high]| 0.5 * (high - low) / NORMAL_QUANTILE);
             (parameter.standard_deviation, parameter.standard_deviation_robust) = (half, half);
         }
         run
@@ -270,7 +311,36 @@ pub struct ModelUse {
     pub for_what: UseGrade,
     /// The verdict.
     pub verdict: Verdict,
-    /// Why it is not good; empty if it is.
+    /// Why it is not good, or on what motion alone it is; empty if it is good without a condition.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub why: String,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parameter(interval_95: Option<[f64; 2]>, decided_percent: f64) -> ModelParameter {
+        ModelParameter {
+            name: "fv1".to_owned(),
+            unit: "N m s/rad".to_owned(),
+            expression: "fv1".to_owned(),
+            value: 1.0,
+            a_priori: 1.0,
+            decided_percent,
+            interval_95,
+            true_value: None,
+        }
+    }
+
+    #[test]
+    fn a_deviation_is_the_intervals_and_at_most_the_beliefs() {
+        let half = 5.0 * NORMAL_QUANTILE;
+        let wide = Some([1.0 - half, 1.0 + half]);
+        assert!((parameter(wide, 99.99).widening(1.0) - 5.0).abs() < 1e-12);
+        assert!((parameter(wide, 75.0).widening(1.0) - 2.0).abs() < 1e-12);
+        assert_eq!(parameter(wide, 99.99).widening(10.0), 1.0);
+        assert_eq!(parameter(None, 99.99).widening(1.0), 1.0);
+        assert_eq!(parameter(wide, 99.99).widening(0.0), 1.0);
+    }
 }

@@ -30,6 +30,9 @@ pub struct Prediction {
     /// Deviation of each joint's torque, percent of its rms, that belief and recordings leave to the parameters of the model on
     /// this motion; empty for the estimates of a run.
     pub left_open_percent: Vec<f64>,
+    /// How many times the motion exceeds the largest speed and acceleration of the recordings, joint by joint: one or less where it
+    /// does not. Empty where these are not known.
+    pub beyond: Vec<[f64; 2]>,
     /// Rms of the prediction of each joint in the moving part.
     pub rms: Vec<f64>,
     /// Moving part, s.

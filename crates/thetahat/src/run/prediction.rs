@@ -2,7 +2,7 @@
 
 use std::{f64::consts::TAU, sync::Arc};
 
-use super::continued::continued;
+use super::{continued::continued, model::largest};
 use crate::preparation::{
     Basis, Case, FilteredRecording, Mask, NamedMask, PreparationError, Recording, Settings, Setup, SignalOptions,
 };
@@ -11,12 +11,12 @@ use thetahat_estimation::{
     regression::{Regression, RowLayout, relative_error_percent},
     signal::{Motion, noise_densities},
 };
-use thetahat_ground::{linear_algebra::Matrix, series::Series};
+use thetahat_ground::series::Series;
 use thetahat_model::{
     dynamics::{Model, Sign},
     regressor::Regressor,
 };
-use thetahat_report::results::{EstimateSource, ModelResult, Prediction, Verdict, VerdictReason};
+use thetahat_report::results::{EstimateSource, ModelJoint, ModelResult, Prediction, Verdict, VerdictReason};
 
 /// Base parameters of a case by name, the method that gave them, and the verdict on them.
 pub(crate) struct Identified<'a> {
@@ -73,6 +73,7 @@ pub(crate) fn predict_torques(
         near_rest,
         measured: filtered.recording.torque.clone().map(|measured| with_known(measured, &filtered)),
         left_open_percent: identified.model.map(|m| left_open(m, &all_rows, &all_predicted)).unwrap_or_default(),
+        beyond: identified.model.map(|m| beyond(m, &filtered.motion)).unwrap_or_default(),
         rms: rows.layout.by_joint(&prediction).iter().map(rms).collect(),
         window_s: filtered.window_s(),
         joints: setup.robot.coordinates().map(|j| j.name.clone()).collect(),
@@ -84,11 +85,7 @@ pub(crate) fn predict_torques(
 /// The deviation of each joint's torque, percent of its rms, that the covariance of the model's parameters leaves:
 /// `100 sqrt(sum_k x_k C x_k^T / sum_k tau_k^2)` over the joint's rows `x_k`.
 fn left_open(model: &ModelResult, rows: &Regression, prediction: &[f64]) -> Vec<f64> {
-    let entry = |i: usize, j: usize| {
-        let (low, high) = (i.min(j), i.max(j));
-        model.covariance.get(high * (high + 1) / 2 + low).copied().unwrap_or(0.0)
-    };
-    let covariance = Matrix::from_fn(rows.x.columns(), rows.x.columns(), entry);
+    let covariance = model.open_covariance();
     let spread = rows.x.times_matrix(&covariance);
     let variance = |k: usize| (0..rows.x.columns()).map(|c| spread.at(k, c) * rows.x.at(k, c)).sum::<f64>();
     let of_joint = |j: usize| {
@@ -97,6 +94,16 @@ fn left_open(model: &ModelResult, rows: &Regression, prediction: &[f64]) -> Vec<
         100.0 * (sums[0] / sums[1].max(f64::MIN_POSITIVE)).sqrt()
     };
     (0..rows.layout.joints()).map(of_joint).collect()
+}
+
+/// How many times a motion exceeds the recordings' largest speed and acceleration, joint by joint.
+fn beyond(model: &ModelResult, motion: &Motion) -> Vec<[f64; 2]> {
+    let [speeds, accelerations] = [&motion.dq, &motion.ddq].map(|series| largest([series].into_iter()));
+    let times = |(joint, (speed, acceleration)): (&ModelJoint, (f64, f64))| {
+        Some([speed / joint.speed?, acceleration / joint.acceleration?])
+    };
+    let of_joints = model.joints.iter().zip(speeds.into_iter().zip(accelerations)).map(times);
+    of_joints.collect::<Option<Vec<_>>>().unwrap_or_default()
 }
 
 fn joint_errors(has_torque: bool, rows: &Regression, prediction: &[f64]) -> Vec<Option<f64>> {

@@ -9,7 +9,7 @@ use thetahat::{
     preparation::Recording,
     results::{ModelResult, Verdict},
 };
-use thetahat_model::robot::TermDescription;
+use thetahat_model::{dynamics::Model, robot::TermDescription};
 use thetahat_report::results::{CauseKind, ModelCause, ModelParameter, UseGrade};
 
 fn experiment() -> Experiment {
@@ -69,6 +69,27 @@ fn decided_values_are_near_the_truth() {
     };
     let (count, held) = (decided.clone().count(), decided.filter(near).count());
     assert!(count >= 25 && held as f64 >= 0.95 * count as f64, "{held} of {count}");
+}
+
+/// The inertia of each joint, with that of its motor, lies as near to the truth as its deviation says.
+#[test]
+fn inertias_of_joints_have_their_deviations() {
+    let experiment = experiment();
+    let recording = experiment.recordings(Path::new("")).unwrap().remove(0);
+    let (dynamics, truth) = (Model::new(&experiment.robot), recording.truth.as_ref().unwrap());
+    let (q, step) = (&recording.position, recording.position.len().div_ceil(40));
+    let squares = (0..q.len())
+        .step_by(step)
+        .map(|k| dynamics.joint_inertias(truth, q.sample(k)).unwrap().iter().map(|m| m * m).collect::<Vec<f64>>());
+    let squares: Vec<Vec<f64>> = squares.collect();
+    for (j, joint) in model(clean()).joints.iter().enumerate() {
+        let truth = (squares.iter().map(|s| s[j]).sum::<f64>() / squares.len() as f64).sqrt();
+        let off = 100.0 * (joint.inertia - truth).abs() / truth;
+        // One percent is for the positions, which are not those of the window.
+        assert!(off < 1.0 + 3.0 * joint.inertia_deviation_percent, "joint {}: {off} %, {joint:?}", j + 1);
+        assert!(joint.inertia_deviation_percent < 5.0 && joint.speed.unwrap() > 0.1, "{joint:?}");
+    }
+    assert_eq!(model(clean()).joints.len(), 6);
 }
 
 /// By default predictions and exports take the model, and a run by its method's name.

@@ -7,7 +7,7 @@ use crate::{
         names,
         number::significant,
         text::{
-            card::{physically, uses_in_words},
+            card::{physically, uses_in_words, why_not_simulate},
             grades::{class, is_counted},
         },
     },
@@ -118,7 +118,8 @@ fn facts(card: &Card, verdict: Verdict) -> Vec<(&'static str, String)> {
     let error = card.relative_error_percent.map(|error| (of, percent(error) + &worst));
     let none = (verdict == Verdict::DoNotUse).then(|| ("Parameters to use", "none".to_owned()));
     let uses = (!card.uses.is_empty()).then(|| ("It may be used to", uses_in_words(card)));
-    [method, uses, error, unseen, physical, none].into_iter().flatten().collect()
+    let simulate = why_not_simulate(card).map(|why| ("Simulate with care", why));
+    [method, uses, simulate, error, unseen, physical, none].into_iter().flatten().collect()
 }
 
 /// How many parameters are precise.

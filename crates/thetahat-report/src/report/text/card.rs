@@ -6,7 +6,7 @@ use crate::{
         number::significant,
         wrap::{TextWidth, labelled},
     },
-    results::{Card, EstimateSource, Grade, Physical, Results, Unseen, Verdict},
+    results::{Card, EstimateSource, Grade, ModelUse, Physical, Results, Unseen, UseGrade, Verdict},
 };
 
 /// Columns of the labels.
@@ -57,6 +57,7 @@ fn facts(card: &Card) -> Vec<(&'static str, String)> {
     let worst = |(name, percent): &(String, f64)| format!("{name}, {} %", significant(*percent, 3));
     let facts = [
         (!card.uses.is_empty()).then(|| ("use to", uses_in_words(card))),
+        why_not_simulate(card).map(|why| ("simulate", why)),
         card.relative_error_percent.map(|error| ("error", format!("{} %{}", significant(error, 3), validation(card)))),
         card.worst_joint.as_ref().map(|joint| ("worst joint", worst(joint))),
         card.physical
@@ -79,10 +80,22 @@ fn validation(card: &Card) -> String {
     format!("; {} % on data not used ({on})", significant(unseen.percent(), 3))
 }
 
-/// Each use with its verdict.
+/// Each use with its verdict, and the condition under which it is good.
 pub(in crate::report) fn uses_in_words(card: &Card) -> String {
-    let all = card.uses.iter().map(|u| format!("{}: {}", u.for_what.words(), u.verdict));
+    let condition = |u: &ModelUse| match u.verdict {
+        Verdict::Good if !u.why.is_empty() => format!(" {}", u.why),
+        Verdict::Good | Verdict::Care | Verdict::DoNotUse => String::new(),
+    };
+    let all = card.uses.iter().map(|u| format!("{}: {}{}", u.for_what.words(), u.verdict, condition(u)));
     all.collect::<Vec<_>>().join("; ")
+}
+
+/// Why simulations need care where predictions do not: the reasons of the verdict do not say it.
+pub(in crate::report) fn why_not_simulate(card: &Card) -> Option<String> {
+    let of = |what: UseGrade| card.uses.iter().find(|u| u.for_what == what);
+    let predicts = of(UseGrade::PredictTorques)?.verdict == Verdict::Good;
+    let simulate = of(UseGrade::Simulate)?;
+    (predicts && simulate.verdict == Verdict::Care).then(|| simulate.why.clone())
 }
 
 /// Whether the estimates are physically consistent.

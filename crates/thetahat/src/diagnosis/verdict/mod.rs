@@ -17,8 +17,9 @@ pub(crate) fn judge(results: &mut Results) -> Verdict {
     results.verdict_reasons = reasons(results);
     let verdict = results.verdict_reasons.iter().map(|r| r.verdict).max().unwrap_or(Verdict::Good);
     results.verdict = Some(verdict);
-    if let Some(model) = &mut results.model {
-        model.uses = model::uses(model, &results.verdict_reasons);
+    let uses = results.model.as_ref().map(|model| model::uses(results, model));
+    if let Some((model, uses)) = results.model.as_mut().zip(uses) {
+        model.uses = uses;
     }
     verdict
 }

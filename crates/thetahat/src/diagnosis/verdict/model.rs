@@ -8,8 +8,8 @@ use super::{
 use thetahat_estimation::checks::Code;
 use thetahat_ground::number::significant;
 use thetahat_report::results::{
-    CauseKind, ModelCause, ModelError, ModelResult, ModelUse, ReasonCode, ReasonSubject, Results, RunResult, UseGrade,
-    Verdict, VerdictReason,
+    CauseKind, ModelCause, ModelError, ModelJoint, ModelResult, ModelUse, ReasonCode, ReasonSubject, Results,
+    RunResult, UseGrade, Verdict, VerdictReason,
 };
 
 /// Unseen error, percent of all torques, from which the model explains too little.
@@ -39,6 +39,9 @@ const LATE_S: f64 = 1e-3;
 const NO_TORQUE: f64 = 1e-9;
 /// Percent of the base parameters that the recordings must have decided for simulations to rest on them.
 const MOSTLY_DECIDED: f64 = 50.0;
+
+/// Deviation of a joint's inertia, percent, from which a simulation of the joint rests on a guess.
+const OPEN_INERTIA_PERCENT: f64 = 20.0;
 
 pub(super) fn reasons(results: &Results, model: &ModelResult) -> Vec<VerdictReason> {
     let error = model.judged_error();
@@ -238,18 +241,20 @@ fn structure_percent(results: &Results, run: &RunResult, model: &ModelResult) ->
 }
 
 /// What the model may be used for, from the reasons of the verdict.
-pub(super) fn uses(model: &ModelResult, reasons: &[VerdictReason]) -> Vec<ModelUse> {
+pub(super) fn uses(results: &Results, model: &ModelResult) -> Vec<ModelUse> {
+    let reasons = &results.verdict_reasons;
     let gravest = reasons.iter().map(|r| r.verdict).max().unwrap_or(Verdict::Good);
     let error = model.judged_error();
     let forbidden = gravest == Verdict::DoNotUse;
-    let of = |for_what: UseGrade, care: Option<String>| {
+    let of = |for_what: UseGrade, care: Option<String>, condition: &str| {
         let (verdict, why) = match care {
             _ if forbidden => (Verdict::DoNotUse, "the data forbid it".to_owned()),
             Some(why) => (Verdict::Care, why),
-            None => (Verdict::Good, String::new()),
+            None => (Verdict::Good, condition.to_owned()),
         };
         ModelUse { for_what, verdict, why }
     };
+    let open = open_inertias(results, model);
     let far = reasons.iter().any(|r| r.code == ReasonCode::CrossValidation);
     let predict = match (error.percent > PREDICTS_PERCENT, far) {
         (true, _) => Some(format!("its error on unseen motion is {} %", significant(error.percent, 3))),
@@ -258,7 +263,7 @@ pub(super) fn uses(model: &ModelResult, reasons: &[VerdictReason]) -> Vec<ModelU
     };
     let decided = model.parameters.iter().filter(|p| p.is_decided()).count();
     let share = 100.0 * decided as f64 / model.parameters.len().max(1) as f64;
-    let simulate = predict.clone().or_else(|| {
+    let simulate = predict.clone().or_else(|| open.clone()).or_else(|| {
         (share < MOSTLY_DECIDED).then(|| {
             let of = model.parameters.len();
             format!("the recordings decided {decided} of {of} parameters: the others are of the a-priori robot")
@@ -280,8 +285,26 @@ pub(super) fn uses(model: &ModelResult, reasons: &[VerdictReason]) -> Vec<ModelU
         None => None,
     };
     vec![
-        of(UseGrade::PredictTorques, predict),
-        of(UseGrade::Simulate, simulate),
-        of(UseGrade::QuoteSingleValues, quote),
+        of(UseGrade::PredictTorques, predict, if open.is_some() { "on motion like its own" } else { "" }),
+        of(UseGrade::Simulate, simulate, ""),
+        of(UseGrade::QuoteSingleValues, quote, ""),
     ]
+}
+
+/// The joints whose inertia the recordings leave open: simulated, they would accelerate wrongly.
+fn open_inertias(results: &Results, model: &ModelResult) -> Option<String> {
+    let of_joint = |(j, joint): (usize, &ModelJoint)| {
+        let percent = joint.inertia_deviation_percent;
+        (percent > OPEN_INERTIA_PERCENT)
+            .then(|| format!("{} (deviation {} %)", results.joint_label(j), significant(percent, 2)))
+    };
+    let open: Vec<String> = model.joints.iter().enumerate().filter_map(of_joint).collect();
+    let why = || {
+        format!(
+            "the recordings did not determine the inertia, with that of the motor, of {}: record faster motion, or state \
+             the motor inertia in the description",
+            open.join(", ")
+        )
+    };
+    (!open.is_empty()).then(why)
 }

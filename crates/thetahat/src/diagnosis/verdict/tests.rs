@@ -339,3 +339,37 @@ fn codes_have_their_names_in_json_and_no_other() {
         assert_eq!(serde_json::to_string(&verdict).unwrap(), format!("\"{}\"", verdict.name()));
     }
 }
+
+/// A model of two joints, whose inertias have these deviations, percent.
+fn with_inertias(deviations: [f64; 2]) -> Results {
+    let mut results = good();
+    let joint = |percent: f64| {
+        format!(r#"{{"inertia": 1.0, "inertia_deviation_percent": {percent}, "speed": 1.0, "acceleration": 1.0}}"#)
+    };
+    let of_joint = r#"{"percent": 1.0, "moving_percent": 1.0, "near_rest_percent": 1.0,
+        "near_rest_share_percent": 0.0, "rms": 0.1}"#;
+    let model = format!(
+        r#"{{"method": "idim-wls", "belief_weight": 1.0, "belief_percent": 141.0, "friction_transition": 0.03,
+            "candidates": [], "fit": {{"percent": 1.0, "joints": [{of_joint}, {of_joint}]}}, "unseen": null,
+            "joints": [{}, {}], "covariance": [1.0], "standard": [], "seconds": 0.0,
+            "parameters": [{{"name": "fv1", "unit": "N m s/rad", "expression": "fv1", "value": 1.0, "a_priori": 1.0,
+                "decided_percent": 99.0, "interval_95": [0.9, 1.1]}}]}}"#,
+        joint(deviations[0]),
+        joint(deviations[1])
+    );
+    results.model = Some(serde_json::from_str(&model).unwrap());
+    judge(&mut results);
+    results
+}
+
+#[test]
+fn an_inertia_that_is_open_is_care_for_simulations_alone() {
+    let uses = |deviations| with_inertias(deviations).model.unwrap().uses;
+    let known = uses([1.0, 19.0]);
+    assert!(known.iter().all(|u| u.verdict == Verdict::Good && u.why.is_empty()), "{known:?}");
+    let open = uses([1.0, 21.0]);
+    let verdicts: Vec<Verdict> = open.iter().map(|u| u.verdict).collect();
+    assert_eq!(verdicts, [Verdict::Good, Verdict::Care, Verdict::Good]);
+    assert_eq!(open[0].why, "on motion like its own");
+    assert!(open[1].why.contains("joint 2 (b)") && !open[1].why.contains("joint 1"), "{open:?}");
+}

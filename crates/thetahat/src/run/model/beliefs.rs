@@ -41,6 +41,21 @@ pub(super) fn beliefs(
     }
 }
 
+/// The set in which a motor inertia that nothing states may be as far from its guess as true ones are: motors of one robot
+/// are alike, and of light wrists many times the guess, so that the mean of the guess and the largest of the robot on a logarithmic
+/// scale is its size. Of ten simulated robots 35 motors lie 1.1 deviations from the guess, root mean square, and of three arms with
+/// light wrists 18 lie 0.8: 6 and 28 with the guess as size.
+pub(super) fn with_open_motors(set: &ConsistentSet) -> ConsistentSet {
+    let (table, believed) = (set.parameter_table(), set.believed());
+    let is_guessed = |i: usize| table.get(i).quantity.is_motor_inertia() && set.a_priori()[i] <= 0.0;
+    let largest = |i: usize| {
+        let alike = (0..table.len()).filter(|k| table.get(*k).quantity.is_motor_inertia());
+        alike.filter(|k| table.get(*k).unit == table.get(i).unit).map(|k| believed[k]).fold(0.0, f64::max)
+    };
+    let size = |i: usize| if is_guessed(i) { (believed[i].max(0.0) * largest(i)).sqrt() } else { 0.0 };
+    set.clone().with_sizes_at_least(&(0..table.len()).map(size).collect::<Vec<_>>())
+}
+
 fn sizes(
     setup: Setup<'_>,
     problem: &Problem,

@@ -6,6 +6,7 @@ use super::{
     causes::FoundCauses,
     choice::{Choosing, SearchedLaws},
     intervals::Intervals,
+    joints::Covered,
     law::Law,
     law_factors::ModelData,
     result::FittedLaw,
@@ -38,6 +39,11 @@ pub(in crate::run) fn model_of_factors(
     let Law { transition, factors, .. } = laws[choice.law];
     let settled = data.settled(choice.law, &transitions, &choice.deviations);
     let fitted = FittedLaw { setup, base, set, terms: &[], transition, factors, truth };
-    let model = fitted.result(&choice, FoundCauses::default(), &Intervals::of_stretches(&settled, runs));
+    let model = fitted.result(
+        &choice,
+        FoundCauses::default(),
+        &Intervals::of_stretches(&settled, runs),
+        &Covered::of_factors(data),
+    );
     Ok(ModelResult { seconds: stopwatch.seconds(), ..model })
 }

@@ -1,10 +1,12 @@
 //! The model that was chosen, as it is written.
 
 use super::{
+    beliefs::with_open_motors,
     causes::{FoundCauses, FrictionEvidence, causes},
     choice::Choice,
     errors::{SquaredErrors, turning},
     intervals::{Intervals, widened},
+    joints::Covered,
     lasting::lasting_percent,
     law_factors::LawFactors,
     of_rows::data_of_rows,
@@ -78,7 +80,8 @@ impl ChosenLaw<'_, '_> {
         let runs = if terms.is_empty() { runs } else { &[] };
         let intervals = Intervals::new(&rows.without(&turning), &choice.deviations, found.delay.clone(), runs);
         let (setup, base, truth) = (identification.setup(), &problem.base, self.truth());
-        FittedLaw { setup, base, set, terms, transition, factors, truth }.result(choice, found, &intervals)
+        let covered = Covered::of_recordings(&identification.main);
+        FittedLaw { setup, base, set, terms, transition, factors, truth }.result(choice, found, &intervals, &covered)
     }
 
     /// The true base parameters of a simulated robot that has no more terms than the described one.
@@ -92,17 +95,25 @@ impl ChosenLaw<'_, '_> {
 
 impl FittedLaw<'_> {
     /// The model with what samples say: the causes of its errors, and intervals.
-    pub(super) fn result(&self, choice: &Choice, found: FoundCauses, intervals: &Intervals) -> ModelResult {
+    pub(super) fn result(
+        &self,
+        choice: &Choice,
+        found: FoundCauses,
+        intervals: &Intervals,
+        covered: &Covered,
+    ) -> ModelResult {
         let Self { setup, base, set, terms, transition, factors, .. } = *self;
         let theta = base.from_standard(&choice.standard);
         let guessed = stated_links(setup.robot);
         let FoundCauses { causes, smallest_shown, .. } = found;
         let knowledge = knowledge_of_base(set, &choice.data, choice.weight, base).ok();
+        let open = knowledge_of_base(&with_open_motors(set), &choice.data, choice.weight, base).ok();
+        let covariance = open.map(|k| k.covariance);
         let mut parameters = self.parameters(&theta, knowledge.as_ref(), intervals);
         parameters
             .iter_mut()
             .for_each(|p| p.interval_95 = p.interval_95.map(|interval| widened(interval, &p.name, &causes)));
-        ModelResult {
+        let model = ModelResult {
             method: Method::IDIM_WLS,
             belief_weight: choice.weight,
             belief_percent: 100.0 * (2.0 / choice.weight).sqrt(),
@@ -116,12 +127,15 @@ impl FittedLaw<'_> {
             unseen: choice.unseen.clone(),
             causes,
             smallest_shown,
+            joints: Vec::new(),
             uses: Vec::new(),
             parameters,
-            covariance: knowledge.map(|k| lower_triangle(&k.covariance, &theta)).unwrap_or_default(),
+            covariance: covariance.map(|c| lower_triangle(&c, &theta)).unwrap_or_default(),
             standard: standard_parameters(set, &choice.standard),
             seconds: 0.0,
-        }
+        };
+        let joints = covered.joints(setup, base, (&choice.standard, &model.open_covariance()));
+        ModelResult { joints, ..model }
     }
 
     fn parameters(
