@@ -79,7 +79,8 @@ fn beyond(prediction: &Prediction, width: TextWidth) -> String {
 
 fn beyond_at(joint: &str, [speed, acceleration]: [f64; 2]) -> Option<String> {
     let exceeds = |times: f64, what: &str| {
-        (times > FAR_BEYOND).then(|| format!("{} times their largest {what}", significant(times, 2)))
+        let far = if times.is_finite() { format!("{} times", significant(times, 2)) } else { "far above".to_owned() };
+        (times > FAR_BEYOND).then(|| format!("{far} their largest {what}"))
     };
     let both: Vec<String> =
         [exceeds(speed, "speed"), exceeds(acceleration, "acceleration")].into_iter().flatten().collect();

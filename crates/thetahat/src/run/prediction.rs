@@ -16,7 +16,7 @@ use thetahat_model::{
     dynamics::{Model, Sign},
     regressor::Regressor,
 };
-use thetahat_report::results::{EstimateSource, ModelJoint, ModelResult, Prediction, Verdict, VerdictReason};
+use thetahat_report::results::{EstimateSource, ModelResult, Prediction, Verdict, VerdictReason};
 
 /// Base parameters of a case by name, the method that gave them, and the verdict on them.
 pub(crate) struct Identified<'a> {
@@ -96,14 +96,17 @@ fn left_open(model: &ModelResult, rows: &Regression, prediction: &[f64]) -> Vec<
     (0..rows.layout.joints()).map(of_joint).collect()
 }
 
-/// How many times a motion exceeds the recordings' largest speed and acceleration, joint by joint.
+/// How many times a motion exceeds the recordings' largest speed and acceleration, joint by joint; zero for a speed at which friction
+/// still changes its sign, and for an acceleration whose torque is below the model's error.
 fn beyond(model: &ModelResult, motion: &Motion) -> Vec<[f64; 2]> {
     let [speeds, accelerations] = [&motion.dq, &motion.ddq].map(|series| largest([series].into_iter()));
-    let times = |(joint, (speed, acceleration)): (&ModelJoint, (f64, f64))| {
-        Some([speed / joint.speed?, acceleration / joint.acceleration?])
+    let times = |j: usize| {
+        let (joint, error) = (model.joints.get(j)?, model.judged_error().joints.get(j)?);
+        let counts = [speeds[j] > model.friction_transition, joint.inertia * accelerations[j] > error.rms];
+        let times = [speeds[j] / joint.speed?, accelerations[j] / joint.acceleration?];
+        Some([0, 1].map(|k| if counts[k] { times[k] } else { 0.0 }))
     };
-    let of_joints = model.joints.iter().zip(speeds.into_iter().zip(accelerations)).map(times);
-    of_joints.collect::<Option<Vec<_>>>().unwrap_or_default()
+    (0..speeds.len()).map(times).collect::<Option<Vec<_>>>().unwrap_or_default()
 }
 
 fn joint_errors(has_torque: bool, rows: &Regression, prediction: &[f64]) -> Vec<Option<f64>> {

@@ -40,7 +40,8 @@ const NO_TORQUE: f64 = 1e-9;
 /// Percent of the base parameters that the recordings must have decided for simulations to rest on them.
 const MOSTLY_DECIDED: f64 = 50.0;
 
-/// Deviation of a joint's inertia, percent, from which a simulation of the joint rests on a guess.
+/// Deviation of a joint's inertia, percent, from which a simulation of the joint rests on a guess. Clean recordings of twelve simulated
+/// robots leave at most 2; those of an arm that moves slowly 17 to 370.
 const OPEN_INERTIA_PERCENT: f64 = 20.0;
 
 pub(super) fn reasons(results: &Results, model: &ModelResult) -> Vec<VerdictReason> {
@@ -301,8 +302,7 @@ fn open_inertias(results: &Results, model: &ModelResult) -> Option<String> {
     let open: Vec<String> = model.joints.iter().enumerate().filter_map(of_joint).collect();
     let why = || {
         format!(
-            "the recordings did not determine the inertia, with that of the motor, of {}: record faster motion, or state \
-             the motor inertia in the description",
+            "the recordings did not determine the inertia, with that of the motor, of {}: record faster motion of these joints",
             open.join(", ")
         )
     };

@@ -56,7 +56,7 @@ impl Covered {
         let at = |which: usize, j: usize| self.largest.as_ref().map(|l| l[which][j]);
         let joint = |(j, [squares, variance]): (usize, [f64; 2])| ModelJoint {
             inertia: (squares / self.positions.len() as f64).sqrt(),
-            inertia_deviation_percent: 100.0 * (variance / squares.max(f64::MIN_POSITIVE)).max(0.0).sqrt(),
+            inertia_deviation_percent: if squares > 0.0 { 100.0 * (variance / squares).max(0.0).sqrt() } else { 0.0 },
             speed: at(0, j),
             acceleration: at(1, j),
         };
