@@ -17,7 +17,7 @@ use thetahat_ground::linear_algebra::Matrix;
 const FEWEST: usize = 2;
 /// Seconds that it looks back at most, but for those of one stretch.
 const LONGEST: usize = 256;
-/// Part of the joint's friction that a change of friction or offset exceeds: less is an error of its model, which is another in other motion.
+/// Part of the friction that a change exceeds: less is an error of the model, which is another in other motion.
 const SMALLEST: f64 = 0.03;
 /// The ratio over others by which a cause explains better: twenty to one.
 const BETTER: f64 = 3.0;
@@ -241,17 +241,20 @@ impl Drift {
         Some(FoundChange { began_s, cause, rivals: rivals.collect(), ratio })
     }
 
-    /// Whether the rms torque of a change in some seconds is that of a part of the joint's friction.
+    /// Whether the rms torque of a change in some seconds is that of a part of friction: the joint's own, or of a payload that of all joints.
     fn is_seen(&self, cause: Cause, ratio: &Ratio, sums: &Sums) -> bool {
-        let (joint, change) = match (cause, ratio.changes.as_slice()) {
-            (Cause::Friction(joint), [viscous, coulomb]) => (joint, [*viscous, *coulomb, 0.0]),
-            (Cause::Offset(joint), [offset]) => (joint, [0.0, 0.0, *offset]),
-            (Cause::Friction(_) | Cause::Offset(_) | Cause::Payload, _) => return true,
+        let joints: Vec<usize> = match cause {
+            Cause::Friction(joint) | Cause::Offset(joint) => vec![joint],
+            Cause::Payload => (0..self.layout.joints).collect(),
         };
-        let (information, _) = sums.own(joint);
-        let square = |x: &[f64]| information.times(x).iter().zip(x).map(|(a, b)| a * b).sum::<f64>();
-        let [viscous, coulomb] = self.friction[joint];
-        square(&change) > SMALLEST.powi(2) * square(&[viscous, coulomb, 0.0])
+        let of_friction = |joint: usize| {
+            let [viscous, coulomb] = self.friction[joint];
+            sums.square(&[(OWN * joint, viscous), (OWN * joint + 1, coulomb)])
+        };
+        let friction: f64 = joints.into_iter().map(of_friction).sum();
+        let places = cause.parameters(self.layout.joints);
+        let changes: Vec<(usize, f64)> = places.into_iter().zip(ratio.changes.iter().copied()).collect();
+        sums.square(&changes) > SMALLEST.powi(2) * friction
     }
 
     /// The ratio of a cause, if the changes can be of it.

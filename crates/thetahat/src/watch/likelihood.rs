@@ -59,6 +59,13 @@ impl Sums {
         (Matrix::from_fn(OWN, OWN, |i, k| self.information.at(first + i, first + k)), self.score[own].to_vec())
     }
 
+    /// The sum of squares of the torque of some changes, each with its place, over the variance.
+    pub(super) fn square(&self, changes: &[(usize, f64)]) -> f64 {
+        let product =
+            |(i, a): &(usize, f64)| changes.iter().map(|(k, b)| a * b * self.information.at(*i, *k)).sum::<f64>();
+        changes.iter().map(product).sum()
+    }
+
     /// The information and the score of all changes.
     pub(super) fn all(&self) -> (&Matrix, &[f64]) {
         (&self.information, &self.score)
