@@ -19,6 +19,8 @@ const FEWEST: usize = 2;
 const LONGEST: usize = 256;
 /// Part of the friction that a change exceeds: less is an error of the model, which is another in other motion.
 const SMALLEST: f64 = 0.03;
+/// Part of the friction up to which a change is believed to be of friction where an offset explains as well.
+const LARGEST: f64 = 0.5;
 /// The ratio over others by which a cause explains better: twenty to one.
 const BETTER: f64 = 3.0;
 /// Part of the prior deviation that a payload's mass keeps where the motion does not show it.
@@ -231,9 +233,9 @@ impl Drift {
         }
         found.sort_by(|a, b| b.1.log.total_cmp(&a.1.log));
         let best = found.first()?.1.log;
-        prefer_friction(&mut found);
+        self.prefer_friction(&mut found, &sums);
         let (cause, ratio) = found.first()?.clone();
-        if ratio.log < self.threshold || !self.is_seen(cause, &ratio, &sums) {
+        if ratio.log < self.threshold || self.over_friction(cause, &ratio, &sums) < SMALLEST {
             return None;
         }
         self.waits = false;
@@ -241,8 +243,8 @@ impl Drift {
         Some(FoundChange { began_s, cause, rivals: rivals.collect(), ratio })
     }
 
-    /// Whether the rms torque of a change in some seconds is that of a part of friction: the joint's own, or of a payload that of all joints.
-    fn is_seen(&self, cause: Cause, ratio: &Ratio, sums: &Sums) -> bool {
+    /// The rms torque of a change in some seconds over that of friction: the joint's own, or of a payload that of all joints.
+    fn over_friction(&self, cause: Cause, ratio: &Ratio, sums: &Sums) -> f64 {
         let joints: Vec<usize> = match cause {
             Cause::Friction(joint) | Cause::Offset(joint) => vec![joint],
             Cause::Payload => (0..self.layout.joints).collect(),
@@ -254,7 +256,20 @@ impl Drift {
         let friction: f64 = joints.into_iter().map(of_friction).sum();
         let places = cause.parameters(self.layout.joints);
         let changes: Vec<(usize, f64)> = places.into_iter().zip(ratio.changes.iter().copied()).collect();
-        sums.square(&changes) > SMALLEST.powi(2) * friction
+        (sums.square(&changes) / friction.max(f64::MIN_POSITIVE)).sqrt()
+    }
+
+    /// Puts friction before the offset of its joint where it explains as well and changes by less than half: a joint that moves in one
+    /// direction shows their sum.
+    fn prefer_friction(&self, found: &mut [(Cause, Ratio)], sums: &Sums) {
+        let Some((Cause::Offset(joint), offset)) = found.first() else { return };
+        let (cause, least) = (Cause::Friction(*joint), offset.log - BETTER);
+        let is_as_good = |(other, ratio): &(Cause, Ratio)| {
+            *other == cause && ratio.log > least && self.over_friction(cause, ratio, sums) < LARGEST
+        };
+        if let Some(place) = found.iter().position(is_as_good) {
+            found[..=place].rotate_right(1);
+        }
     }
 
     /// The ratio of a cause, if the changes can be of it.
@@ -317,15 +332,6 @@ impl Drift {
         self.baseline.iter_mut().zip(&changes).for_each(|(all, change)| *all += change);
         let waiting = self.history.iter_mut().chain(self.last.iter_mut().map(|(last, _)| last));
         waiting.for_each(|stretch| stretch.sums.less(&changes));
-    }
-}
-
-/// Puts friction before the offset of its joint where it explains as well: a joint that moves in one direction shows their sum.
-fn prefer_friction(found: &mut [(Cause, Ratio)]) {
-    let Some((Cause::Offset(joint), offset)) = found.first() else { return };
-    let (cause, least) = (Cause::Friction(*joint), offset.log - BETTER);
-    if let Some(place) = found.iter().position(|(other, ratio)| *other == cause && ratio.log > least) {
-        found[..=place].rotate_right(1);
     }
 }
 

@@ -258,7 +258,7 @@ impl Uncertain {
         };
         let found = |(column, parameter): (usize, &BaseParameter)| {
             let place = run.parameters.iter().position(|p| p.name == parameter.name)?;
-            let is_own = without.iter().any(|name| *name == parameter.name);
+            let is_own = without.contains(&parameter.name);
             (!is_own && at(place, place) > 0.0).then_some((column, place))
         };
         let (columns, places): (Vec<_>, Vec<_>) =
