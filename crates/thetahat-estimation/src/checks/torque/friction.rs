@@ -27,7 +27,13 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &mut Thinn
     let Ok(fit) = recording.fit() else { return };
     let power = power(recording, &fit);
     let negative: Vec<usize> = (0..power.len()).filter(|&j| power[j] < -NEGATIVE_LIMIT).collect();
-    let everywhere = negative.len() > 1 && power.iter().all(|p| *p < 0.0);
+    let seen = if negative.len() < 2 || power.iter().any(|p| *p >= 0.0) {
+        Seen::AtSomeJoints
+    } else if has_described_weight(recording) {
+        Seen::EverywhereWithWeight
+    } else {
+        Seen::Everywhere
+    };
     for (j, p) in power.iter().enumerate() {
         let value = -p;
         let mut evidence = Evidence {
@@ -41,7 +47,7 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &mut Thinn
         if value <= NEGATIVE_LIMIT {
             continue;
         }
-        let SignCause { code, correction, text: cause, remedy } = cause(recording, &fit, j, everywhere);
+        let SignCause { code, correction, text: cause, remedy } = cause(recording, &fit, j, seen);
         evidence.code = code;
         let message = format!(
             "joint {}: friction is negative (its power by {value:.0} standard deviations); {cause}",
@@ -55,6 +61,15 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &mut Thinn
     poor_fit(exam, &recording.with_estimated_parameters());
 }
 
+/// Where friction is negative.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Seen {
+    AtSomeJoints,
+    Everywhere,
+    /// At all joints, of torques that hold the weight of the links with its sign.
+    EverywhereWithWeight,
+}
+
 /// The cause of negative friction, and its correction if there is one.
 struct SignCause {
     code: Code,
@@ -64,15 +79,15 @@ struct SignCause {
 }
 
 /// What makes a joint's friction negative: the sign of its torque, the sign of its position, or neither.
-fn cause(recording: &ThinnedRecording<'_>, fit: &OrthogonalFit, j: usize, everywhere: bool) -> SignCause {
+fn cause(recording: &ThinnedRecording<'_>, fit: &OrthogonalFit, j: usize, seen: Seen) -> SignCause {
     let flip: Vec<f64> = (0..recording.coordinates()).map(|i| if i == j { -1.0 } else { 1.0 }).collect();
     let torque = Affine::scaled_torques(&flip);
-    if everywhere && has_described_weight(recording) {
+    if seen == Seen::EverywhereWithWeight {
         let text = "all joints have negative friction, and the torques hold the weight of the links: the driver takes more friction \
                     out of them than there is";
         return SignCause { code: Code::NegativeFriction, correction: None, text, remedy: COMPENSATED };
     }
-    if everywhere {
+    if seen == Seen::Everywhere {
         let text = "all joints have negative friction: the torques have the opposite sign";
         return SignCause { code: Code::TorqueSign, correction: Some(torque), text, remedy: SIGN };
     }
