@@ -87,7 +87,8 @@ fn inertias_of_joints_have_their_deviations() {
         let off = 100.0 * (joint.inertia - truth).abs() / truth;
         // One percent is for the positions, which are not those of the window.
         assert!(off < 1.0 + 3.0 * joint.inertia_deviation_percent, "joint {}: {off} %, {joint:?}", j + 1);
-        assert!(joint.inertia_deviation_percent < 5.0 && joint.speed.unwrap() > 0.1, "{joint:?}");
+        // From 20 % on simulations would be care.
+        assert!(joint.inertia_deviation_percent < 20.0 && joint.speed.unwrap() > 0.1, "{joint:?}");
     }
     assert_eq!(model(clean()).joints.len(), 6);
 }
