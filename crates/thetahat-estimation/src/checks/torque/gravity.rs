@@ -30,8 +30,8 @@ const WRONG_DEG: f64 = 10.0;
 /// Change of direction in degrees beyond which parameters of the other sign explain as much: exchanged arms of a torso look like a robot
 /// that hangs.
 const TURNED_DEG: f64 = 90.0;
-/// Relative error of the fit below which a derivative by gravity says whether another direction explains more: the links of a fit with a
-/// very different gravity say nothing of it.
+/// Relative error of the fit below which a derivative by gravity shows whether another direction explains more: the links of a fit
+/// with a very different gravity give no information about it.
 const WELL: f64 = 0.05;
 /// Most steps of Gauss-Newton.
 const STEPS: usize = 6;
