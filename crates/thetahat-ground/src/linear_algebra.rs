@@ -57,6 +57,13 @@ impl Matrix {
         Self { rows, columns, values }
     }
 
+    /// A symmetric matrix from the rows of its lower half; `None` of another number of values.
+    #[must_use]
+    pub fn from_lower_half(size: usize, values: &[f64]) -> Option<Self> {
+        let at = |i: usize, j: usize| values[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
+        (values.len() == size * (size + 1) / 2).then(|| Self::from_fn(size, size, at))
+    }
+
     /// A matrix from its values, column by column.
     ///
     /// # Panics

@@ -27,8 +27,8 @@ decimation = 5
 [estimation]
 methods = ["idim-ls"]
 "#;
-/// The rate of a pipe is that of its first steps, whose rounding makes the filter longer by a sample: two steps of the test, s.
-const ROUNDED_S: f64 = 0.02 + 1e-9;
+/// The rate of a pipe is the mean of its first steps, that of a file of all of them.
+const ROUNDED_S: f64 = 1e-6;
 /// Time at which friction grows, s.
 const CHANGE_S: f64 = 20.0;
 

@@ -115,10 +115,11 @@ fn check_fit(exam: &mut Examination<'_>, signals: &Signals, recording: &mut Thin
     if is_uninformative {
         return motion::excitation::check(exam, &recording.with_estimated_parameters());
     }
-    if recording.is_long_enough() && torque::gravity::check(exam, recording) {
+    let hypotheses = torque::fault::affordable(recording);
+    if recording.is_long_enough() && torque::gravity::check(exam, recording, &hypotheses) {
         return motion::excitation::check(exam, &recording.with_estimated_parameters());
     }
-    torque::fault::check(exam, recording);
+    torque::fault::check(exam, recording, &hypotheses);
     if !exam.has(&[Code::PositionScale]) {
         motion::position_range::check(exam, signals);
     }

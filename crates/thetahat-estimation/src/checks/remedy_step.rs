@@ -32,14 +32,7 @@ impl RemedySignal {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum RemedyStep {
-    /// Exchanges the channels of two joints.
-    ExchangeJoints {
-        /// What is exchanged.
-        signal: RemedySignal,
-        /// The two joints.
-        joints: [usize; 2],
-    },
-    /// Takes the channels in another order.
+    /// Takes the channels in another order: two of them exchanged, for instance.
     OrderJoints {
         /// Of what.
         signal: RemedySignal,
@@ -120,6 +113,15 @@ pub enum RemedyStep {
         /// Its acceleration, m/s^2.
         gravity: [f64; 3],
     },
+}
+
+impl RemedyStep {
+    /// The joints that another order moves, from one; none of other steps.
+    #[must_use]
+    pub fn moved_joints(&self) -> Vec<usize> {
+        let Self::OrderJoints { order, .. } = self else { return Vec::new() };
+        (1..).zip(order).filter(|(joint, channel)| joint != *channel).map(|(joint, _)| joint).collect()
+    }
 }
 
 /// A step, and the number of findings before it in the same recording: a step holds for the recording that the earlier ones have

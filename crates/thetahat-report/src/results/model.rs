@@ -204,13 +204,12 @@ impl ModelResult {
     #[doc(hidden)]
     #[must_use]
     pub fn open_covariance(&self) -> Matrix {
-        let entry = |i: usize, j: usize| {
-            let (low, high) = (i.min(j), i.max(j));
-            self.covariance.get(high * (high + 1) / 2 + low).copied().unwrap_or(0.0)
-        };
         let count = self.parameters.len();
-        let factors: Vec<f64> = (0..count).map(|i| self.parameters[i].widening(entry(i, i).max(0.0).sqrt())).collect();
-        Matrix::from_fn(count, count, |i, j| factors[i] * entry(i, j) * factors[j])
+        let covariance =
+            Matrix::from_lower_half(count, &self.covariance).unwrap_or_else(|| Matrix::zeros(count, count));
+        let deviation = |i: usize| covariance.at(i, i).max(0.0).sqrt();
+        let factors: Vec<f64> = (0..count).map(|i| self.parameters[i].widening(deviation(i))).collect();
+        covariance.scale_rows(&factors).scale_columns(&factors)
     }
 
     /// The model as a run of the nominal case, for what takes estimates of a run: its base parameters with the deviations

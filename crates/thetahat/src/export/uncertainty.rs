@@ -19,14 +19,12 @@ impl Uncertainty {
     /// alone.
     pub(super) fn of(run: &RunResult, estimates: &[ParameterResult]) -> Option<Self> {
         let (n, count) = (estimates.len(), run.parameters.len());
-        let is_correlated = run.covariance.len() == count * (count + 1) / 2;
-        let covariance = if is_correlated {
+        let all = Matrix::from_lower_half(count, &run.covariance);
+        let is_correlated = all.is_some();
+        let covariance = if let Some(all) = all {
             let place = |p: &ParameterResult| run.parameters.iter().position(|of_run| of_run.name == p.name);
             let places = estimates.iter().map(place).collect::<Option<Vec<_>>>()?;
-            Matrix::from_fn(n, n, |i, j| {
-                let (row, column) = (places[i].max(places[j]), places[i].min(places[j]));
-                run.covariance[row * (row + 1) / 2 + column]
-            })
+            Matrix::from_fn(n, n, |i, j| all.at(places[i], places[j]))
         } else {
             let deviations = estimates.iter().map(ParameterResult::deviation).collect::<Option<Vec<f64>>>()?;
             Matrix::from_fn(n, n, |i, j| if i == j { deviations[i] * deviations[i] } else { 0.0 })

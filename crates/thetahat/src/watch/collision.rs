@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use super::{
     layout::{CURVE, Layout, OWN, PAYLOAD},
     step::{Row, Step},
+    whitening::neighbours,
 };
 
 /// Longest time that a ratio looks back, s.
@@ -196,9 +197,7 @@ impl Joint {
                 (!step.rest[joint]).then_some(error)
             })
             .collect();
-        let pairs = errors.windows(2).filter_map(|pair| Some([pair[0]?, pair[1]?]));
-        let [product, square, count] =
-            pairs.fold([0.0; 3], |[p, s, n], [a, b]| [p + a * b, s + 0.5 * (a * a + b * b), n + 1.0]);
+        let [product, square, count] = neighbours(&errors);
         if count < REACH_S / step_s || square <= 0.0 {
             return None;
         }

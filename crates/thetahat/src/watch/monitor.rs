@@ -137,7 +137,8 @@ impl Watch {
         match &mut self.stage {
             Stage::Settling(steps) => {
                 steps.push(step);
-                if (steps.len() as f64) * self.step_s < self.options.settle_s {
+                // Rounded, as a rate from stamps is not exact.
+                if (steps.len() as f64) < (self.options.settle_s / self.step_s).round() {
                     return Ok(Vec::new());
                 }
                 let steps = std::mem::take(steps);

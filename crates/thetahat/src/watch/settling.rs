@@ -9,7 +9,7 @@ use super::{
     scale::Scales,
     second::Second,
     step::{Row, Step},
-    whitening::{BlockNoise, Whitening},
+    whitening::{BlockNoise, Whitening, neighbours},
 };
 use thetahat_ground::linear_algebra::Matrix;
 
@@ -109,9 +109,7 @@ fn noise_of(blocks: &[Step], joint: usize, changes: &[f64]) -> Option<BlockNoise
     };
     let errors: Vec<Option<f64>> = blocks.iter().map(error).collect();
     let count = errors.iter().flatten().count();
-    let pairs = errors.windows(2).filter_map(|pair| Some([pair[0]?, pair[1]?]));
-    let [product, square, all] =
-        pairs.fold([0.0; 3], |[p, s, n], [a, b]| [p + a * b, s + 0.5 * (a * a + b * b), n + 1.0]);
+    let [product, square, all] = neighbours(&errors);
     if count < FEWEST_BLOCKS || square <= 0.0 {
         return None;
     }

@@ -245,25 +245,17 @@ impl Uncertain {
             let ParameterResult { standard_deviation_robust, standard_deviation, .. } = run.parameters[p];
             standard_deviation_robust.or(standard_deviation).unwrap_or(0.0)
         };
-        // The covariance's entry of a pair, or the deviations alone where a run has none.
-        let at = |i: usize, k: usize| match run.covariance.get(i.max(k) * (i.max(k) + 1) / 2 + i.min(k)) {
-            Some(value) => *value,
-            None => {
-                if i == k {
-                    deviation(i).powi(2)
-                } else {
-                    0.0
-                }
-            }
-        };
+        let count = run.parameters.len();
+        let deviations_alone = || Matrix::from_fn(count, count, |i, k| if i == k { deviation(i).powi(2) } else { 0.0 });
+        let all = Matrix::from_lower_half(count, &run.covariance).unwrap_or_else(deviations_alone);
         let found = |(column, parameter): (usize, &BaseParameter)| {
             let place = run.parameters.iter().position(|p| p.name == parameter.name)?;
             let is_own = without.contains(&parameter.name);
-            (!is_own && at(place, place) > 0.0).then_some((column, place))
+            (!is_own && all.at(place, place) > 0.0).then_some((column, place))
         };
         let (columns, places): (Vec<_>, Vec<_>) =
             identified.base.parameters().iter().enumerate().filter_map(found).unzip();
-        let covariance = Matrix::from_fn(places.len(), places.len(), |i, k| at(places[i], places[k]));
+        let covariance = Matrix::from_fn(places.len(), places.len(), |i, k| all.at(places[i], places[k]));
         Self { columns, covariance }
     }
 }

@@ -13,6 +13,12 @@ pub(super) struct BlockNoise {
     pub(super) inflation: f64,
 }
 
+/// The sums of products and of squares of neighbouring errors, and how many pairs there are: of an autoregression.
+pub(super) fn neighbours(errors: &[Option<f64>]) -> [f64; 3] {
+    let pairs = errors.windows(2).filter_map(|pair| Some([pair[0]?, pair[1]?]));
+    pairs.fold([0.0; 3], |[p, s, n], [a, b]| [p + a * b, s + 0.5 * (a * a + b * b), n + 1.0])
+}
+
 /// Rows of blocks less what is correlated with the block before, in which the joint moves as well.
 #[derive(Debug, Clone)]
 pub(super) struct Whitening {

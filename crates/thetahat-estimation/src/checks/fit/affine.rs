@@ -104,7 +104,8 @@ impl Affine {
                     (Some(order), Some(same)) if order == same => (RemedySignal::Both, order),
                     (Some(_), Some(_)) | (None, None) => return None,
                 };
-                Some(in_order(signal, &order))
+                let order = order.iter().map(|channel| channel + 1).collect();
+                Some(RemedyStep::OrderJoints { signal, order })
             }
         }
     }
@@ -113,8 +114,10 @@ impl Affine {
 impl Affine {
     /// The coordinates, from zero, whose positions and torques are exchanged.
     pub(in crate::checks) fn exchanged_joints(&self) -> Option<[usize; 2]> {
-        let Some(RemedyStep::ExchangeJoints { signal: RemedySignal::Both, joints }) = self.step() else { return None };
-        Some(joints.map(|joint| joint - 1))
+        let step =
+            self.step().filter(|step| matches!(step, RemedyStep::OrderJoints { signal: RemedySignal::Both, .. }))?;
+        let [a, b] = step.moved_joints()[..] else { return None };
+        Some([a - 1, b - 1])
     }
 }
 
@@ -135,15 +138,6 @@ fn order_of(matrix: &Matrix) -> Option<Vec<usize>> {
     let n = matrix.columns();
     let order: Vec<usize> = (0..n).map(|i| (0..n).find(|&j| matrix.at(i, j) != 0.0)).collect::<Option<_>>()?;
     (*matrix == permutation(&order)).then_some(order)
-}
-
-/// The step that takes channels in an order: two joints exchanged, or all as they are.
-fn in_order(signal: RemedySignal, order: &[usize]) -> RemedyStep {
-    let moved: Vec<usize> = (0..order.len()).filter(|&j| order[j] != j).collect();
-    match moved[..] {
-        [a, b] => RemedyStep::ExchangeJoints { signal, joints: [a + 1, b + 1] },
-        _ => RemedyStep::OrderJoints { signal, order: order.iter().map(|channel| channel + 1).collect() },
-    }
 }
 
 pub(in crate::checks) fn diagonal(entries: &[f64]) -> Matrix {

@@ -29,40 +29,38 @@ const MOST_WORK: f64 = 2e10;
 const MOST_FAULTS: usize = 4;
 
 /// Corrects every fault that is found in the recording.
-pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &mut ThinnedRecording<'_>) {
-    let all = affordable(recording);
+pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &mut ThinnedRecording<'_>, all: &[Hypothesis]) {
     for round in 0..MOST_FAULTS {
-        let Some(gains) = gains(recording, &all) else { return };
+        let Some(gains) = gains(recording, all) else { return };
         if round == 0 {
-            note_measures(exam, &all, &gains);
+            note_measures(exam, all, &gains);
         }
-        let Some(best) = best(&all, &gains) else {
+        let Some(best) = best(all, &gains) else {
             if round == 0 {
                 let hardly_change = all.iter().zip(&gains).filter(|(_, gain)| **gain > HARDLY_CHANGES).map(|(h, _)| h);
                 alike::check(exam, recording, hardly_change);
             }
             return;
         };
-        let rivals = rivals(&all, &gains, best);
+        let rivals = rivals(all, &gains, best);
         raise(exam, &all[best], gains[best], &rivals);
         recording.correct(&all[best].correction);
     }
 }
 
 /// Factor by which the best correction reduces the squared residual; one if no fault is found.
-pub(in crate::checks) fn largest_gain(recording: &ThinnedRecording<'_>) -> f64 {
-    let all = affordable(recording);
-    let gains = gains(recording, &all).unwrap_or_default();
-    best(&all, &gains).map_or(1.0, |best| gains[best])
+pub(in crate::checks) fn largest_gain(recording: &ThinnedRecording<'_>, all: &[Hypothesis]) -> f64 {
+    let gains = gains(recording, all).unwrap_or_default();
+    best(all, &gains).map_or(1.0, |best| gains[best])
 }
 
 /// The hypotheses that are cheap enough to try.
-fn affordable(recording: &ThinnedRecording<'_>) -> Vec<Hypothesis> {
+pub(in crate::checks) fn affordable(recording: &ThinnedRecording<'_>) -> Vec<Hypothesis> {
     let mut all = hypotheses(recording.subject.robot);
     if all.len() as f64 * Screening::work(recording) > MOST_WORK {
         all.retain(|hypothesis| hypothesis.coordinate.is_none());
     }
-    all.extend(order::other_order(recording, MOST_WORK));
+    all.extend(order::other_order(recording));
     all
 }
 

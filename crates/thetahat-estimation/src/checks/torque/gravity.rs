@@ -7,12 +7,13 @@
 
 use super::{
     fault,
-    gravity_fit::{ALIKE, AXES, GravityFit, LIMIT, POOR, WRONG_RATIO},
+    gravity_fit::{ALIKE, AXES, GravityFit, LIMIT, POOR, WRONG_RATIO, evidence},
+    hypotheses::Hypothesis,
     weight,
 };
 use crate::checks::{
-    examination::{Evidence, Examination, FindingText},
-    finding::{Code, Severity},
+    examination::{Examination, FindingText},
+    finding::Severity,
     fit::thinned_recording::ThinnedRecording,
     remedy_step::RemedyStep,
 };
@@ -40,22 +41,20 @@ const PROGRESS: f64 = 1e-3;
 
 /// Checks gravity; returns whether it makes all estimates wrong. Another fault of the recording is the better explanation if it
 /// reduces the squared residual more.
-pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>) -> bool {
+pub(in crate::checks) fn check(
+    exam: &mut Examination<'_>,
+    recording: &ThinnedRecording<'_>,
+    hypotheses: &[Hypothesis],
+) -> bool {
     let stated = exam.subject.robot.gravity;
     let Some(Better { squares, gravity: found, stated: stated_fit }) = better(recording, stated) else { return false };
-    if weight::check(exam, recording, &stated_fit, squares) {
+    if weight::check(exam, recording, hypotheses, (&stated_fit, squares)) {
         return true;
     }
     let ratio = stated_fit.squares() / squares;
-    let evidence = Evidence {
-        code: Code::GravityDirection,
-        coordinate: None,
-        value: ratio,
-        unit: "times smaller squared residual",
-        limit: LIMIT,
-    };
+    let evidence = evidence(ratio);
     let angle = angle_deg(stated, found);
-    if angle < LEAST_DEG || ratio <= LIMIT || fault::largest_gain(recording) > ratio {
+    if angle < LEAST_DEG || ratio <= LIMIT || fault::largest_gain(recording, hypotheses) > ratio {
         exam.note_measure(evidence);
         return false;
     }

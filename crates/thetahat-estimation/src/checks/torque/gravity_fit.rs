@@ -1,7 +1,11 @@
 //! The fit of a robot's parameters with a gravity of choice.
 
 use crate::{
-    checks::fit::{orthogonal_fit::OrthogonalFit, thinned_recording::ThinnedRecording},
+    checks::{
+        examination::Evidence,
+        finding::Code,
+        fit::{orthogonal_fit::OrthogonalFit, thinned_recording::ThinnedRecording},
+    },
     regression::Regression,
 };
 use thetahat_ground::{
@@ -29,6 +33,12 @@ const LARGEST_STEP: f64 = 0.7;
 
 /// The axes of the base's frame.
 pub(super) const AXES: [Vec3; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// Evidence of another gravity: a factor by which it reduces the squared residual.
+pub(super) fn evidence(value: f64) -> Evidence {
+    let unit = "times smaller squared residual";
+    Evidence { code: Code::GravityDirection, coordinate: None, value, unit, limit: LIMIT }
+}
 
 /// The fit of the robot's parameters with a given gravity.
 pub(super) struct GravityFit {

@@ -11,15 +11,16 @@ use crate::checks::{
 
 /// Part of the torques' square above which the order is doubted.
 const POOR: f64 = 0.01;
+/// Operations of the search up to which it is made: those of eight joints take a few seconds.
+const MOST_WORK: f64 = 8e9;
 /// Factor by which an exchange must reduce the squared residual.
 const PROGRESS: f64 = 1.02;
 
-/// Another order of torques, or of positions and torques, that explains much more; looked for where the torques are explained poorly,
-/// within so many operations.
-pub(super) fn other_order(recording: &ThinnedRecording<'_>, most_work: f64) -> Option<Hypothesis> {
+/// Another order of torques, or of positions and torques, that explains much more; looked for where the torques are explained poorly.
+pub(super) fn other_order(recording: &ThinnedRecording<'_>) -> Option<Hypothesis> {
     let n = recording.coordinates();
     let exchanges = n * n.saturating_sub(1) / 2;
-    if n < 3 || (4 * n * exchanges) as f64 * Screening::work(recording) > most_work {
+    if n < 3 || (4 * n * exchanges) as f64 * Screening::work(recording) > MOST_WORK {
         return None;
     }
     let screening = Screening::new(recording);

@@ -7,11 +7,12 @@
 use super::{
     described_weight::described_weight,
     fault,
-    gravity_fit::{ALIKE, GravityFit, LIMIT, POOR, WRONG_RATIO},
+    gravity_fit::{ALIKE, GravityFit, LIMIT, POOR, WRONG_RATIO, evidence},
+    hypotheses::Hypothesis,
 };
 use crate::checks::{
-    examination::{Evidence, Examination, FindingText},
-    finding::{Code, Severity},
+    examination::{Examination, FindingText},
+    finding::Severity,
     fit::thinned_recording::ThinnedRecording,
     remedy_step::RemedyStep,
 };
@@ -28,32 +29,25 @@ const PART_OF_WEIGHT: f64 = 0.7;
 const STEPS: usize = 3;
 
 /// Checks whether the torques lack the weight of the links, where `best` is the squared residual with the best direction of gravity;
-/// returns whether it raised a finding.
+/// returns whether it raised a finding. Other faults are among `hypotheses`.
 pub(super) fn check(
     exam: &mut Examination<'_>,
     recording: &ThinnedRecording<'_>,
-    stated: &GravityFit,
-    best: f64,
+    hypotheses: &[Hypothesis],
+    (stated, best): (&GravityFit, f64),
 ) -> bool {
     let Some(without) = GravityFit::new(recording, [0.0; 3]) else { return false };
     let is_best = without.squares() <= ALIKE * best && without.fit.relative_error() < POOR;
     let ratio = stated.squares() / without.squares();
     let weight = if is_best { described_weight(recording, stated.gravity, &without) } else { None };
     let lacks_weight = weight.is_some_and(|weight| weight.part.abs() < LEAST_WEIGHT && weight.ratio > WRONG_RATIO);
-    let fits_better = is_best && ratio > LIMIT && fault::largest_gain(recording) <= ratio;
+    let fits_better = is_best && ratio > LIMIT && fault::largest_gain(recording, hypotheses) <= ratio;
     if !lacks_weight && !fits_better {
         return !is_best && is_partly_compensated(exam, recording, stated, without);
     }
     let value = if lacks_weight { weight.map_or(ratio, |weight| weight.ratio) } else { ratio };
-    let evidence = Evidence {
-        code: Code::GravityDirection,
-        coordinate: None,
-        value,
-        unit: "times smaller squared residual",
-        limit: LIMIT,
-    };
     let part = weight.map(|weight| weight.part);
-    exam.raise(evidence, Severity::Problem, finding_text(ratio, part.filter(|_| lacks_weight)));
+    exam.raise(evidence(value), Severity::Problem, finding_text(ratio, part.filter(|_| lacks_weight)));
     true
 }
 
@@ -87,13 +81,6 @@ fn is_partly_compensated(
     if part > PART_OF_WEIGHT || value < LIMIT || weaker.fit.relative_error() > POOR {
         return false;
     }
-    let evidence = Evidence {
-        code: Code::GravityDirection,
-        coordinate: None,
-        value,
-        unit: "times smaller squared residual",
-        limit: LIMIT,
-    };
     let message = format!(
         "the torques fit {} times better with {:.0} % of gravity: drivers that compensate gravity by a model of their own log what \
          that model lacks",
@@ -101,7 +88,7 @@ fn is_partly_compensated(
         100.0 * part
     );
     let remedy = "log the torques without the driver's compensation, or add what it subtracts";
-    exam.raise(evidence, Severity::Problem, FindingText::new(message, remedy));
+    exam.raise(evidence(value), Severity::Problem, FindingText::new(message, remedy));
     true
 }
 

@@ -70,11 +70,8 @@ impl Design {
         let places: Vec<usize> =
             base.parameters().iter().map(|p| place(&p.name)).collect::<Option<_>>().ok_or_else(other)?;
         let size = model.parameters.len();
-        if model.covariance.len() != size * (size + 1) / 2 {
-            return Err(no_model(file));
-        }
-        let at = |i: usize, j: usize| model.covariance[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
-        let covariance = Matrix::from_fn(places.len(), places.len(), |i, j| at(places[i], places[j]));
+        let all = Matrix::from_lower_half(size, &model.covariance).ok_or_else(|| no_model(file))?;
+        let covariance = Matrix::from_fn(places.len(), places.len(), |i, j| all.at(places[i], places[j]));
         inverse(&covariance).ok_or_else(|| no_model(file))
     }
 

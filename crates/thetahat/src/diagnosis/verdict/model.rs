@@ -40,8 +40,8 @@ const NO_TORQUE: f64 = 1e-9;
 /// Percent of the base parameters that the recordings must have decided for simulations to rest on them.
 const MOSTLY_DECIDED: f64 = 50.0;
 
-/// Deviation of a joint's inertia, percent, from which a simulation of the joint rests on a guess. Clean recordings of twelve simulated
-/// robots leave at most 2; those of an arm that moves slowly 17 to 370.
+/// Deviation of a joint's inertia, percent, from which a simulation of the joint rests on a guess. The demonstration leaves 9 at its
+/// lightest joint.
 const OPEN_INERTIA_PERCENT: f64 = 20.0;
 
 pub(super) fn reasons(results: &Results, model: &ModelResult) -> Vec<VerdictReason> {

@@ -22,8 +22,7 @@ pub(super) struct Candidate {
 /// Whether a step changes the description of a recording.
 pub(super) fn is_of_recording(step: &RemedyStep) -> bool {
     match step {
-        RemedyStep::ExchangeJoints { .. }
-        | RemedyStep::OrderJoints { .. }
+        RemedyStep::OrderJoints { .. }
         | RemedyStep::Scale { .. }
         | RemedyStep::Side { .. }
         | RemedyStep::Delay { .. }
@@ -42,9 +41,7 @@ pub(super) fn is_of_recording(step: &RemedyStep) -> bool {
 /// Whether it changes positions.
 pub(super) fn moves_position(step: &RemedyStep) -> bool {
     match step {
-        RemedyStep::ExchangeJoints { signal, .. }
-        | RemedyStep::OrderJoints { signal, .. }
-        | RemedyStep::Side { signal, .. } => signal.has_position(),
+        RemedyStep::OrderJoints { signal, .. } | RemedyStep::Side { signal, .. } => signal.has_position(),
         RemedyStep::Scale { position, .. } => !position.is_empty(),
         RemedyStep::Delay { .. }
         | RemedyStep::Hold

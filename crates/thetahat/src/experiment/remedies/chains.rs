@@ -72,8 +72,7 @@ pub(super) fn chained(candidates: Vec<Candidate>, n: usize) -> Vec<Candidate> {
 /// The joints whose channels a step corrects one by one, from one; empty where it corrects all alike.
 fn joints_of(step: &RemedyStep, n: usize) -> Vec<usize> {
     match step {
-        RemedyStep::ExchangeJoints { joints, .. } => joints.to_vec(),
-        RemedyStep::OrderJoints { order, .. } => (1..=n).filter(|k| order.get(k - 1) != Some(k)).collect(),
+        RemedyStep::OrderJoints { .. } => step.moved_joints(),
         RemedyStep::Scale { position, torque } => {
             let is_scaled = |k: usize| [position, torque].iter().any(|f| f.get(k - 1).is_some_and(|f| *f != 1.0));
             let joints: Vec<usize> = (1..=n).filter(|k| is_scaled(*k)).collect();

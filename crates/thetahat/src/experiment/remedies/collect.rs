@@ -180,11 +180,13 @@ fn is_correction(code: Code) -> bool {
 fn code_of(finding: &Finding, robot: &Robot) -> String {
     let code = finding.code.name();
     match (finding.step.as_ref().map(|ordered| &ordered.step), finding.joint) {
-        (Some(RemedyStep::ExchangeJoints { joints: [a, b], .. }), _) => {
-            let [a, b] = [a, b].map(|coordinate| robot.joint_of(coordinate.saturating_sub(1)) + 1);
-            format!("{code}-{a}-{b}")
-        }
-        (Some(RemedyStep::OrderJoints { .. }), _) => code.to_owned(),
+        (Some(step @ RemedyStep::OrderJoints { .. }), _) => match step.moved_joints()[..] {
+            [a, b] => {
+                let [a, b] = [a, b].map(|coordinate| robot.joint_of(coordinate - 1) + 1);
+                format!("{code}-{a}-{b}")
+            }
+            _ => code.to_owned(),
+        },
         (Some(RemedyStep::CorrectReference { .. }), _) | (_, None) => code.to_owned(),
         (_, Some(joint)) => format!("{code}-{joint}"),
     }

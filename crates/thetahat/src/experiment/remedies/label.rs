@@ -7,17 +7,19 @@ use thetahat_report::results::{RemedySignal, RemedyStep, SettingChange};
 /// What a step does.
 pub(super) fn label(step: &RemedyStep, changes: &[SettingChange], robot: &Robot) -> String {
     let number = |coordinate: usize| robot.joint_of(coordinate) + 1;
-    let of = |signal: RemedySignal| match signal {
-        RemedySignal::Both => String::new(),
-        RemedySignal::Position | RemedySignal::Torque => format!("the {} of ", plural(signal)),
-    };
     match step {
-        RemedyStep::ExchangeJoints { signal, joints: [a, b] } => {
-            format!("Exchange {}joints {} and {}", of(*signal), number(a - 1), number(b - 1))
-        }
         RemedyStep::OrderJoints { signal, order } => {
-            let order: Vec<String> = order.iter().map(|joint| number(joint - 1).to_string()).collect();
-            format!("Take {}joints in the order {}", of(*signal), order.join(", "))
+            let of = match signal {
+                RemedySignal::Both => String::new(),
+                RemedySignal::Position | RemedySignal::Torque => format!("the {} of ", plural(*signal)),
+            };
+            match step.moved_joints()[..] {
+                [a, b] => format!("Exchange {of}joints {} and {}", number(a - 1), number(b - 1)),
+                _ => {
+                    let order: Vec<String> = order.iter().map(|joint| number(joint - 1).to_string()).collect();
+                    format!("Take {of}joints in the order {}", order.join(", "))
+                }
+            }
         }
         RemedyStep::Scale { position, torque } => {
             let of = |signal, factors| scaled(signal, factors, changes, &number);

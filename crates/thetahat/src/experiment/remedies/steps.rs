@@ -87,8 +87,7 @@ impl Draft<'_> {
                 Some((vec![Change::new(&["gravity"], 0, Value::from(gravity.to_vec()))], 1))
             }
             RemedyStep::AddTerm { .. } => None,
-            RemedyStep::ExchangeJoints { .. }
-            | RemedyStep::OrderJoints { .. }
+            RemedyStep::OrderJoints { .. }
             | RemedyStep::Scale { .. }
             | RemedyStep::Side { .. }
             | RemedyStep::Delay { .. }
@@ -144,13 +143,6 @@ impl Draft<'_> {
     fn in_recording(&self, target: &Target<'_>, step: &RecordingStep) -> Option<Vec<Change>> {
         let torque = || target.description.torque.as_ref();
         match &step.step {
-            RemedyStep::ExchangeJoints { signal, joints: [a, b] } => {
-                let mut order: Vec<usize> = (0..self.robot.coordinate_count()).collect();
-                let pair = [a.checked_sub(1)?, b.checked_sub(1)?].map(|joint| joint.min(order.len()));
-                order.get(pair[0].max(pair[1]))?;
-                order.swap(pair[0], pair[1]);
-                self.of_signals(target, step, *signal, &|channels| channels.in_order(&order))
-            }
             RemedyStep::OrderJoints { signal, order } => {
                 let order: Vec<usize> = order.iter().map(|joint| joint.checked_sub(1)).collect::<Option<_>>()?;
                 self.of_signals(target, step, *signal, &|channels| channels.in_order(&order))

@@ -79,6 +79,49 @@ fn exchanged_torques_are_exchanged_back() {
     assert!(reason.is_some(), "{:?}", before.verdict_reasons);
 }
 
+/// Channels 1 to 3 are those of joints 2, 3 and 1.
+#[test]
+fn joints_in_a_circle_are_put_in_order() {
+    let fault = |log: &mut Log| {
+        for series in [&mut log.position, &mut log.torque] {
+            (0..series.len()).for_each(|k| series.sample_mut(k)[..3].rotate_left(1));
+        }
+    };
+    let (before, _) = mended(fault, &["joints-swapped"], SAME);
+    assert_eq!(remedy(&before, "joints-swapped").label, "Take joints in the order 3, 1, 2, 4, 5, 6, 7");
+}
+
+#[test]
+fn a_joint_that_turns_the_other_way_is_reversed() {
+    let fault = |log: &mut Log| {
+        scale(&mut log.position, 3, -1.0);
+        scale(&mut log.torque, 3, -1.0);
+    };
+    mended(fault, &["position-sign-4"], SAME);
+}
+
+/// What a driver takes out of the torques is in no setting: it is named, and there is no remedy.
+fn named_without_remedy(twin: &Twin, code: Code, words: &str) {
+    let results = twin.run(&twin.experiment(KEYS));
+    let is_named =
+        results.findings.iter().flat_map(|r| &r.findings).any(|f| f.code == code && f.message.contains(words));
+    assert!(is_named, "{:?}", results.findings);
+    assert!(codes(&results).is_empty(), "{:?}", codes(&results));
+    assert_eq!(results.verdict, Some(Verdict::DoNotUse));
+}
+
+#[test]
+fn friction_that_a_driver_compensates_too_much_is_no_wrong_sign() {
+    let compensated = |j: usize, dq: f64, _: f64| -1.3 * (3.0 * dq + 2.0 * dq.signum()) / (j + 1) as f64;
+    named_without_remedy(&Twin::with_friction(&compensated), Code::NegativeFriction, "more friction out of them");
+}
+
+#[test]
+fn weight_that_a_driver_compensates_by_a_model_of_its_own_is_named() {
+    let twin = Twin::with_friction(&|_, _, gravity| -0.85 * gravity);
+    named_without_remedy(&twin, Code::GravityDirection, "better with 15 % of gravity");
+}
+
 #[test]
 fn torques_with_the_opposite_sign_are_reversed_together() {
     let fault = |log: &mut Log| log.torque.values_mut().iter_mut().for_each(|t| *t = -*t);
@@ -371,8 +414,9 @@ fn a_hostile_remedy_stays_in_its_comment() {
     expected["recording"]["torque"].as_table_mut().unwrap().insert("delay_s".to_owned(), 0.01.into());
     assert_eq!(after, expected);
     for wrong in [
-        RemedyStep::ExchangeJoints { signal: RemedySignal::Torque, joints: [0, 1] },
-        RemedyStep::ExchangeJoints { signal: RemedySignal::Both, joints: [1, 99] },
+        RemedyStep::OrderJoints { signal: RemedySignal::Torque, order: vec![0, 1, 2, 3, 4, 5, 6] },
+        RemedyStep::OrderJoints { signal: RemedySignal::Both, order: vec![99, 2, 3, 4, 5, 6, 1] },
+        RemedyStep::OrderJoints { signal: RemedySignal::Both, order: vec![2, 1] },
         RemedyStep::Scale { position: vec![2.0], torque: Vec::new() },
         RemedyStep::LockJoint { joint: 0, name: "j1".to_owned(), value: 0.0 },
         RemedyStep::CorrectReference { delay_s: vec![0.0], scale: Vec::new(), offset: Vec::new() },

@@ -113,11 +113,8 @@ impl Residual {
         let along = basis.transpose_times(&self.rest);
         let statistic = dot(&along, &along);
         let log10_p = log10_tail(statistic, rank)? + (cause.searched as f64).log10();
-        // Columns that the motion does not separate from the others keep their size of zero.
-        let separated = &factor.pivots()[..rank];
-        let sizes = PivotedQr::with_equal_columns(&columns.select_columns(separated)).solve(&self.rest);
         let mut coefficients = vec![0.0; cause.columns.len()];
-        separated.iter().zip(sizes).for_each(|(&column, size)| coefficients[seen[column]] = size);
+        seen.iter().zip(basic_solution(&factor, &along)).for_each(|(&column, size)| coefficients[column] = size);
         let size = match cause.columns.len() {
             1 => coefficients.first().map(|size| [*size, 1.0 / norm(columns.column(0))]),
             _ => None,
@@ -203,9 +200,6 @@ impl Residual {
     pub(super) fn shifts(&self, candidate: usize, found: &Evidence) -> Vec<f64> {
         let whitened = &self.candidates[candidate].whitened;
         let mut shifts = vec![0.0; self.parameters];
-        if found.coefficients.len() != whitened.columns() {
-            return shifts;
-        }
         let moved = self.factor.solve(&whitened.times(&found.coefficients));
         let covariance = self.factor.inverse_gram();
         for (k, &column) in self.separated.iter().enumerate() {
@@ -252,6 +246,17 @@ pub(super) fn log10_tail(chi_squared: f64, freedom: usize) -> Option<f64> {
 /// The first orthonormal columns of a factorisation.
 fn leading(factor: &PivotedQr, rank: usize) -> Matrix {
     factor.thin_q().select_columns(&(0..rank).collect::<Vec<_>>())
+}
+
+/// The sizes of columns, from what each leading orthonormal column explains; zero of those that the others span.
+fn basic_solution(factor: &PivotedQr, along: &[f64]) -> Vec<f64> {
+    let (r, pivots) = (factor.thin_r(), factor.pivots());
+    let mut sizes = vec![0.0; pivots.len()];
+    for i in (0..along.len()).rev() {
+        let known: f64 = (i + 1..along.len()).map(|k| r.at(i, k) * sizes[pivots[k]]).sum();
+        sizes[pivots[i]] = (along[i] - known) / r.at(i, i);
+    }
+    sizes
 }
 
 /// The part of a vector that is not along orthonormal columns.
@@ -317,6 +322,21 @@ mod tests {
         };
         let [whole, deficient] = [&[0, 1][..], &[0, 1, 2]].map(shift_of_first);
         assert!(whole.abs() > 1.0 && (deficient / whole - 1.0).abs() < 1e-6, "{whole} {deficient}");
+    }
+
+    /// Of three columns of which two are one, two have sizes, and both together move the parameters as the fit without the third says.
+    #[test]
+    fn columns_that_are_not_separated_have_sizes_together() {
+        let columns = [1, 2, 3].map(|which| (0..ROWS).map(|k| value(k)[which]).collect::<Vec<f64>>());
+        let of = |columns: Vec<Vec<f64>>| {
+            let residual = residual(&[0], vec![Cause { columns, ..cause(|k| value(k)[1], Vec::new()) }]);
+            let found = residual.test(0).unwrap();
+            (residual.shifts(0, &found)[0], found.coefficients)
+        };
+        let (whole, separated) = (of(columns.to_vec()), of(vec![columns[0].clone(), columns[2].clone()]));
+        assert!(whole.0.abs() > 1.0 && (whole.0 / separated.0 - 1.0).abs() < 1e-6, "{whole:?} {separated:?}");
+        assert!((whole.1[0] + 2.0 * whole.1[1] - separated.1[0]).abs() < 1e-9, "{whole:?} {separated:?}");
+        assert!((whole.1[2] - 0.3).abs() < 0.05 && whole.1[..2].contains(&0.0), "{whole:?}");
     }
 
     /// Another cause that no motion shows hides nothing, whatever rounding leaves of it.

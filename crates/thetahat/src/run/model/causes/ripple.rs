@@ -5,7 +5,7 @@ use super::{
     residual::{Residual, log10_tail},
     torques::Torques,
 };
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use thetahat_ground::{number::significant, pool::in_parallel};
 use thetahat_model::robot::JointKind;
 use thetahat_report::results::CauseKind;
@@ -19,7 +19,11 @@ const MOST_STEPS: usize = 3000;
 /// Least part of the rows in which the filter passes a ripple.
 const PASSED: f64 = 0.25;
 /// log10 of the probability above which nothing is looked at more closely.
-const DOUBTED: f64 = -4.0;
+const LOOKED_AT: f64 = -4.0;
+/// Neighbours of a step on either side that are tried, in one step.
+const NEIGHBOURS: i32 = 8;
+/// Determinant over the product of the squares of sine and cosine below which the rows hold one phase alone.
+const SINGULAR: f64 = 1e-6;
 
 /// Position, speed and whitened residual in a row of a joint.
 struct Row {
@@ -82,12 +86,12 @@ fn strongest(rows: &[Row], cutoff: f64) -> Option<Ripple> {
     speeds.sort_by(f64::total_cmp);
     let passed_speed = speeds.get((PASSED * speeds.len() as f64) as usize)?;
     let step = TAU / (STEPS * span);
-    let least = LEAST.max(2.0 * PI / span);
+    let least = LEAST.max(TAU / span);
     let searched = (((cutoff / passed_speed - least) / step) as usize).min(MOST_STEPS);
     let explained = explained_on_grid(rows, cutoff, least, step, searched);
     let (best, most) = explained.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let is_doubted = log10_tail(most, 2)? + (searched as f64).log10() < DOUBTED;
-    is_doubted.then(|| Ripple { per_unit: refined(rows, cutoff, least + best as f64 * step, step), searched })
+    let is_seen = log10_tail(most, 2)? + (searched as f64).log10() < LOOKED_AT;
+    is_seen.then(|| Ripple { per_unit: refined(rows, cutoff, least + best as f64 * step, step), searched })
 }
 
 /// What each of the ripples `least + i step` explains of the squared residual.
@@ -117,7 +121,7 @@ fn refined(rows: &[Row], cutoff: f64, per_unit: f64, step: f64) -> f64 {
         passed.for_each(|row| sums.add(row.rest, (n * row.position).sin_cos()));
         sums.explained()
     };
-    let neighbours = (-8..=8).map(|i| per_unit + f64::from(i) * step / 8.0);
+    let neighbours = (-NEIGHBOURS..=NEIGHBOURS).map(|i| per_unit + f64::from(i) / f64::from(NEIGHBOURS) * step);
     neighbours.map(|n| (n, explained(n))).max_by(|a, b| a.1.total_cmp(&b.1)).map_or(per_unit, |best| best.0)
 }
 
@@ -144,7 +148,7 @@ impl Sums {
         let determinant = self.sine_sine * self.cosine_cosine - self.sine_cosine.powi(2);
         let square = self.cosine_cosine * self.sine.powi(2) - 2.0 * self.sine_cosine * self.sine * self.cosine
             + self.sine_sine * self.cosine.powi(2);
-        if determinant > 1e-6 * self.sine_sine * self.cosine_cosine { square / determinant } else { 0.0 }
+        if determinant > SINGULAR * self.sine_sine * self.cosine_cosine { square / determinant } else { 0.0 }
     }
 }
 
