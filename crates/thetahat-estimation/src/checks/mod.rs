@@ -120,6 +120,9 @@ fn check_fit(exam: &mut Examination<'_>, signals: &Signals, recording: &mut Thin
         return motion::excitation::check(exam, &recording.with_estimated_parameters());
     }
     torque::fault::check(exam, recording, &hypotheses);
+    if recording.is_long_enough() {
+        time::long_lag::check(exam, recording);
+    }
     if !exam.has(&[Code::PositionScale]) {
         motion::position_range::check(exam, signals);
     }

@@ -34,6 +34,7 @@ mod remedies;
 mod repeated_rows;
 mod robot_file;
 mod run;
+mod straight_lines;
 mod subject;
 mod twin;
 mod unit_words;

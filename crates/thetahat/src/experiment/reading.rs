@@ -12,6 +12,7 @@ use super::{
     floating::after_base,
     missing_values::complete_samples,
     repeated_rows::{bridged, repeated_rows},
+    straight_lines::{Straightened, without_straight_lines},
 };
 use crate::preparation::{PreparationError, Recording, unwrap};
 use thetahat_data::recording::{self, ChannelSource, Clock, Dimension, RecordingError, Side};
@@ -65,7 +66,7 @@ impl Experiment {
         };
         let (read, times) = with_complete_samples(description, data, (read, times))?;
         let (read, times) = with_samples_once(read, times);
-        let (read, clock) = clock_of_read(description, data, with_repeats_bridged(read), times)?;
+        let (read, clock) = clock_of_read(description, data, without_lines(with_repeats_bridged(read)), times)?;
         let recording = described(description, number, data, read, &clock);
         let is_held = description.torque.as_ref().is_some_and(|torque| torque.held);
         let mut recording = if is_held { recording.with_held_torque() } else { recording };
@@ -118,7 +119,7 @@ impl Experiment {
         let read = Recording { channels, ..Recording::without_torque(1.0, position) };
         let (read, times) = with_complete_samples(description, data, (read, times))?;
         let (read, times) = with_samples_once(read, times);
-        let (read, clock) = clock_of_read(description, data, with_repeats_bridged(read), times)?;
+        let (read, clock) = clock_of_read(description, data, without_lines(with_repeats_bridged(read)), times)?;
         let recording = described(description, 1, data, read, &clock);
         let recording = recording.unwrapped(&self.robot);
         self.with_contacts(description, without_delays(recording.into_equal_steps(&clock), description))
@@ -232,6 +233,24 @@ fn with_repeats_bridged(mut read: Recording) -> Recording {
     read.position = bridged(&read.position, &repeated);
     for series in [&mut read.torque, &mut read.velocity, &mut read.reference, &mut read.added_signal] {
         *series = series.as_ref().map(|s| bridged(s, &repeated));
+    }
+    read
+}
+
+/// The recording with cubics through the values that a logger joined by straight lines, which its notes name.
+fn without_lines(mut read: Recording) -> Recording {
+    let mut replace = |what: &str, series: &mut Series| {
+        let Some(Straightened { series: cubic, on_lines }) = without_straight_lines(series) else { return };
+        read.notes.push(format!(
+            "{on_lines} of {} samples of the {what} lie on straight lines between the others, as where a logger interpolates values of a \
+             lower rate: cubics through the others were taken instead",
+            series.len()
+        ));
+        *series = cubic;
+    };
+    replace("positions", &mut read.position);
+    if let Some(torque) = &mut read.torque {
+        replace("torques", torque);
     }
     read
 }

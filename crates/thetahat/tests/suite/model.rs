@@ -22,10 +22,14 @@ fn experiment() -> Experiment {
 
 /// The recording with a tenth of its noise.
 fn recording() -> Recording {
-    let mut experiment = experiment();
-    let sensors = &mut experiment.file.twin.as_mut().unwrap().sensors;
-    sensors.torque_noise.iter_mut().for_each(|noise| *noise *= 0.1);
-    experiment.recordings(Path::new("")).unwrap().remove(0)
+    static RECORDING: OnceLock<Recording> = OnceLock::new();
+    let simulated = || {
+        let mut experiment = experiment();
+        let sensors = &mut experiment.file.twin.as_mut().unwrap().sensors;
+        sensors.torque_noise.iter_mut().for_each(|noise| *noise *= 0.1);
+        experiment.recordings(Path::new("")).unwrap().remove(0)
+    };
+    RECORDING.get_or_init(simulated).clone()
 }
 
 fn identify(recording: Recording) -> Results {

@@ -355,13 +355,9 @@ pub fn all_trials() -> Vec<Trial> {
         vec![
             ("the demonstration", the_demonstration),
             ("joints that hardly move", joints_that_hardly_move),
-            ("EMPS", emps),
             ("EMPS, aligned", emps_aligned),
             ("TX40", tx40),
-            ("KUKA", kuka),
             ("IV of EMPS", iv_of_emps),
-            ("IV of EMPS, aligned", iv_of_emps_aligned),
-            ("IV of TX40", iv_of_tx40),
             ("IV in pieces", iv_in_pieces),
         ],
     );
@@ -373,6 +369,10 @@ pub fn all_trials() -> Vec<Trial> {
             ("TX40, essential parameters", tx40_essential),
             ("TX40, moving part", tx40_moving_part),
             ("IV of the demonstration", iv_of_the_demonstration),
+            ("EMPS", emps),
+            ("KUKA", kuka),
+            ("IV of EMPS, aligned", iv_of_emps_aligned),
+            ("IV of TX40", iv_of_tx40),
             ("threads change no byte", threads_change_no_byte),
         ],
     )));

@@ -19,6 +19,7 @@
 mod dialect;
 mod encoding;
 mod joint_states;
+mod lists;
 mod names;
 mod number;
 mod pieces;

@@ -14,6 +14,9 @@ use super::text::{Body, MOST_COLUMNS, begins_comment, rows, unreadable, without_
 use super::transposed;
 use super::values::Values;
 
+/// Most lines of words that may follow the table.
+const MOST_CLOSING: usize = 4;
+
 /// The columns of a text. Columns that are not requested have a name and no values.
 pub(in super::super) fn read(
     bytes: &[u8],
@@ -65,7 +68,7 @@ pub(super) fn read_columns(
             let width = detected.width.filter(|width| *width <= MOST_COLUMNS).unwrap_or(row.len());
             columns.name((1..=width).map(|number| number.to_string()).collect(), wanted)?;
         }
-        if columns.is_comment(&row) {
+        if columns.is_comment(&row) || columns.is_closing(&row) {
             continue;
         }
         if columns.is_cut(&row) {
@@ -135,6 +138,22 @@ impl<'a> Columns<'a> {
     /// Whether a row is a comment among the values: it begins with the sign of one, and has another length.
     fn is_comment(&self, row: &ByteRecord) -> bool {
         row.len() != self.names.len() && row.get(0).is_some_and(begins_comment)
+    }
+
+    /// Whether a row is a line of words after the table, such as `End of record;;;`: one cell, which is no value, at the end of the text.
+    fn is_closing(&self, row: &ByteRecord) -> bool {
+        let mut filled = row.iter().filter(|cell| !cell.trim_ascii().is_empty());
+        let (Some(words), None) = (filled.next(), filled.next()) else { return false };
+        let mut numbers = self.numbers;
+        let are_words = words.trim_ascii()[0].is_ascii_alphabetic() && numbers.read(words).is_none();
+        self.names.len() > 1 && are_words && self.lines_from(row) <= MOST_CLOSING
+    }
+
+    /// Lines with content from a row to the end of the text; at most one more than [`MOST_CLOSING`] are counted.
+    fn lines_from(&self, row: &ByteRecord) -> usize {
+        let start = row.position().map_or(0, |place| place.byte() as usize);
+        let rest = self.prepared.get(start..).unwrap_or_default();
+        rest.split(|byte| *byte == b'\n').filter(|line| !line.trim_ascii().is_empty()).take(MOST_CLOSING + 1).count()
     }
 
     /// Whether a row is too short and the text ends in it.

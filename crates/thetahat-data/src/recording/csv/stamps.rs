@@ -28,7 +28,8 @@ pub(super) fn seconds(stamps: &[Option<Stamp>], day_first: Option<bool>) -> Opti
 }
 
 /// Whether days come before months; none if that matters and is not evident, or contradicts what is stated. Of equal dates only the
-/// difference counts, which is zero.
+/// difference counts, which is zero; of others, the order whose steps are all shorter than a day is evident, as a recording goes on after
+/// midnight.
 fn order(stamps: &[Option<Stamp>], stated: Option<bool>) -> Option<bool> {
     let of_numbers = |stamp: &Stamp| match stamp.date {
         Some(Date::TwoNumbers { first, second, .. }) => Some((first, second)),
@@ -43,8 +44,22 @@ fn order(stamps: &[Option<Stamp>], stated: Option<bool>) -> Option<bool> {
         (true, false) => Some(true).filter(|_| stated != Some(false)),
         (false, true) => Some(false).filter(|_| stated != Some(true)),
         (false, false) if stated.is_some() => stated,
-        (false, false) => (dates().next().is_none() || are_equal()).then_some(true),
+        (false, false) if dates().next().is_none() || are_equal() => Some(true),
+        (false, false) => match [true, false].map(|day_first| longest_step(stamps, day_first) <= DAY) {
+            [true, false] => Some(true),
+            [false, true] => Some(false),
+            [true, true] | [false, false] => None,
+        },
     }
+}
+
+fn longest_step(stamps: &[Option<Stamp>], day_first: bool) -> i128 {
+    let time = |stamp: &Stamp| {
+        let days = stamp.date.map_or(0, |date| date.days(day_first));
+        i128::from(days) * DAY + i128::from(stamp.nanoseconds)
+    };
+    let times: Vec<i128> = stamps.iter().flatten().map(time).collect();
+    times.windows(2).map(|pair| (pair[1] - pair[0]).abs()).max().unwrap_or(0)
 }
 
 #[cfg(test)]
@@ -63,11 +78,13 @@ mod tests {
 
     #[test]
     fn the_order_of_day_and_month_is_evident_or_stated() {
-        let (evident, unclear) = (["25.11.2026", "26.11.2026"], ["03.05.2024", "04.05.2024"]);
+        let (evident, unclear) = (["25.11.2026", "26.11.2026"], ["03.05.2024", "07.05.2024"]);
         assert_eq!(read(&evident, None).unwrap(), [0.0, 86_400.0]);
         assert_eq!(read(&unclear, None), None);
-        assert_eq!(read(&unclear, Some(true)).unwrap(), [0.0, 86_400.0]);
-        assert_eq!(read(&unclear, Some(false)).unwrap(), [0.0, 31.0 * 86_400.0]);
+        assert_eq!(read(&unclear, Some(true)).unwrap(), [0.0, 4.0 * 86_400.0]);
+        assert_eq!(read(&unclear, Some(false)).unwrap(), [0.0, 122.0 * 86_400.0]);
+        assert_eq!(read(&["03.05.2024 23:59:59", "04.05.2024 0:00:01"], None).unwrap(), [0.0, 2.0]);
+        assert_eq!(read(&["05/03/2024 23:59:59", "05/04/2024 0:00:01"], None).unwrap(), [0.0, 2.0]);
         assert_eq!(read(&["03.05.2024 1:00:00", "03.05.2024 1:00:01"], None).unwrap(), [0.0, 1.0]);
         assert_eq!(read(&["25.11.2026", "11.25.2026"], None), None);
         assert_eq!(read(&evident, Some(false)), None);

@@ -87,6 +87,29 @@ fn comments_among_the_values() {
     assert!(matches!(read_text("t,q\n0,1\nTotal: 3\n1,2\n", ""), Err(RecordingError::RowLength { line: 3, .. })));
 }
 
+/// Arrays in cells, as pandas writes those of messages.
+#[test]
+fn lists_in_cells() {
+    let text = "t,q\n0,\"[1.5, 2]\"\n0.1,\"[3, 4]\"\n";
+    assert_eq!(read_text(text, "columns = ['t', 'q']").unwrap(), [0.0, 1.5, 2.0, 0.1, 3.0, 4.0]);
+    assert_eq!(read_text(text, "columns = ['q[2]']").unwrap(), [2.0, 4.0]);
+    assert_eq!(inspected(text).tables[0].columns[1].channels, 2);
+    let shorter = "t,q\n0,\"[1.5, 2]\"\n0.1,\"[3]\"\n";
+    let error = read_text(shorter, "columns = ['q']").unwrap_err();
+    assert!(matches!(&error, RecordingError::NotANumber { line: 3, found, .. } if found == "[3]"), "{error}");
+}
+
+/// Loggers that say how the recording ended.
+#[test]
+fn words_after_the_table() {
+    for closing in ["End of record;;\n", "End of record\n\n", "Stopped;\nOperator Jones;;\n"] {
+        let text = format!("t;q1;q2\n0;1;2\n0.1;3;4\n{closing}");
+        assert_eq!(read_text(&text, "columns = ['t', 'q2']").unwrap(), [0.0, 2.0, 0.1, 4.0], "{closing:?}");
+    }
+    let between = "t;q1;q2\n0;1;2\nPause;;\n0.1;3;4\n0.2;3;4\n0.3;3;4\n0.4;3;4\n";
+    assert!(matches!(read_text(between, "columns = ['t', 'q2']"), Err(RecordingError::NotANumber { line: 3, .. })));
+}
+
 /// The column of comments is named, and rows have no cell for it.
 #[test]
 fn labview_measurements() {
@@ -166,11 +189,11 @@ fn dates_and_times_of_day_are_seconds_from_the_first() {
 
 #[test]
 fn dates_of_unknown_order_are_refused_with_a_remedy() {
-    let text = "stamp;q\n03.05.2024 23:59:59;1\n04.05.2024 00:00:00;2\n";
+    let text = "stamp;q\n03.05.2024 23:59:59;1\n06.05.2024 23:59:59;2\n";
     let error = read_text(text, "columns = ['stamp']\nunit = 's'").unwrap_err();
     assert!(matches!(error, RecordingError::UnclearDate { line: 2, .. }), "{error}");
     assert!(error.to_string().contains("`day_first = true`"), "{error}");
-    assert_eq!(read_text(text, "columns = ['stamp']\nunit = 's'\nday_first = true").unwrap(), [0.0, 1.0]);
+    assert_eq!(read_text(text, "columns = ['stamp']\nunit = 's'\nday_first = true").unwrap(), [0.0, 259_200.0]);
     assert!(inspected(text).tables[0].columns[0].not_numeric.as_ref().unwrap().contains("day or the month"));
     let text = "stamp;q\n10:00:00;1\nlater;2\n";
     let error = read_text(text, "columns = ['stamp']\nunit = 's'").unwrap_err();

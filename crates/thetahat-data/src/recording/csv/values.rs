@@ -1,15 +1,17 @@
-//! The values of one channel while its cells are read.
+//! The values of one column while its cells are read.
 
 use super::super::table::{Column, Flaw, is_plausible};
+use super::lists::{self, Lists};
 use super::number::Numbers;
 use super::stamp::Stamp;
 use super::stamps::seconds;
 use super::text::characters;
 
-/// The cells of a channel as numbers, or as stamps if the first is one.
+/// The cells of a column as numbers, or as stamps or lists of numbers if the first is one.
 #[derive(Default)]
 pub(super) struct Values {
     numbers: Vec<f64>,
+    lists: Lists,
     stamps: Vec<Option<Stamp>>,
     flaw: Option<Flaw>,
     /// The first stamp, and its line.
@@ -22,10 +24,16 @@ impl Values {
         if !self.stamps.is_empty() {
             return self.push_stamp(cell, line);
         }
+        if !self.lists.is_empty() {
+            return self.push_list(cell, line);
+        }
         let number = numbers.read(cell);
         if number.is_none() && self.numbers.is_empty() && Stamp::parse(&characters(cell)).is_some() {
             self.first_stamp = Some((line(), characters(cell).trim().to_owned()));
             return self.push_stamp(cell, line);
+        }
+        if number.is_none() && self.numbers.is_empty() && lists::parse(cell).is_some() {
+            return self.push_list(cell, line);
         }
         self.numbers.push(number.unwrap_or(f64::NAN));
         if !number.is_some_and(is_plausible) {
@@ -41,6 +49,14 @@ impl Values {
         }
     }
 
+    fn push_list(&mut self, cell: &[u8], line: impl Fn() -> u64) {
+        let list = lists::parse(cell);
+        let implausible = list.as_ref().and_then(|list| list.iter().copied().find(|value| !is_plausible(*value)));
+        if !self.lists.push(list) || implausible.is_some() {
+            self.note(flaw(implausible, cell, line()));
+        }
+    }
+
     fn push_stamp(&mut self, cell: &[u8], line: impl Fn() -> u64) {
         let stamp = Stamp::parse(&characters(cell));
         if self.flaw.is_none() && stamp.is_none() {
@@ -49,8 +65,11 @@ impl Values {
         self.stamps.push(stamp);
     }
 
-    /// The column. Stamps are seconds from the first.
+    /// The column. Stamps are seconds from the first, lists have a channel for each of their numbers.
     pub(super) fn into_column(self, name: String, day_first: Option<bool>) -> Column {
+        if !self.lists.is_empty() {
+            return self.lists.into_column(name, self.flaw);
+        }
         if self.stamps.is_empty() {
             return Column { flaw: self.flaw, ..Column::of_numbers(name, 1, self.numbers) };
         }

@@ -57,20 +57,12 @@ impl LagSearch<'_, '_> {
         (-most..=most).filter(|s| s % COARSE == 0)
     }
 
-    /// The rows of the torque some whole steps later.
-    fn later(&self, step: isize) -> Vec<f64> {
-        let torque = &self.recording.torque;
-        let last = torque.len() as isize - 1;
-        let at = |k: usize, j: usize| torque.sample((k as isize + step).clamp(0, last) as usize)[j];
-        (0..torque.channels()).flat_map(|j| self.recording.kept.iter().map(move |&k| at(k, j))).collect()
-    }
-
     /// The lag of each joint with the others unchanged.
     pub(in crate::checks) fn lag_of_each_joint(&self) -> Option<Lags> {
         let joints = self.recording.coordinates();
         let mut best = vec![(0, f64::INFINITY); joints];
         for step in self.steps() {
-            let rows = self.later(step);
+            let rows = later(self.recording, step);
             for (j, best) in best.iter_mut().enumerate() {
                 let squares = self.with_shapes.squares_with(&rows, j);
                 if squares < best.1 {
@@ -84,7 +76,7 @@ impl LagSearch<'_, '_> {
     /// The lag of all joints together.
     pub(in crate::checks) fn common_lag(&self) -> Option<Lags> {
         let squares = |step: isize| {
-            let rest = self.with_shapes.unexplained(&self.later(step));
+            let rest = self.with_shapes.unexplained(&later(self.recording, step));
             dot(&rest, &rest)
         };
         let best = self.steps().map(|s| (s, squares(s))).min_by(|a, b| a.1.total_cmp(&b.1));
@@ -153,6 +145,14 @@ impl LagSearch<'_, '_> {
     pub(in crate::checks) fn joint_squares(&self, rest: &[f64]) -> Vec<f64> {
         rest.chunks(self.recording.rows()).map(|r| dot(r, r)).collect()
     }
+}
+
+/// The rows of the torque some whole steps later.
+pub(super) fn later(recording: &ThinnedRecording<'_>, step: isize) -> Vec<f64> {
+    let torque = &recording.torque;
+    let last = torque.len() as isize - 1;
+    let at = |k: usize, j: usize| torque.sample((k as isize + step).clamp(0, last) as usize)[j];
+    (0..torque.channels()).flat_map(|j| recording.kept.iter().map(move |&k| at(k, j))).collect()
 }
 
 /// The series with channel j shifted by `steps[j]`, which corrects a lag of so many steps.

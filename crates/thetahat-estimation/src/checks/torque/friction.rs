@@ -1,6 +1,9 @@
 //! Negative friction, and torques that the model does not explain.
 
-use super::{described_weight::described_weight, gravity_fit::GravityFit};
+use super::{
+    described_weight::described_weight,
+    gravity_fit::{GravityFit, GravityRows},
+};
 use crate::checks::{
     examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
@@ -109,7 +112,10 @@ fn cause(recording: &ThinnedRecording<'_>, fit: &OrthogonalFit, j: usize, seen: 
 /// Whether the torques hold the weight of the description's links with its sign.
 fn has_described_weight(recording: &ThinnedRecording<'_>) -> bool {
     let part = |without: GravityFit| described_weight(recording, recording.subject.robot.gravity, &without);
-    GravityFit::new(recording, [0.0; 3]).and_then(part).is_some_and(|weight| weight.part > OF_WEIGHT)
+    GravityRows::new(recording)
+        .and_then(|rows| rows.fit([0.0; 3]))
+        .and_then(part)
+        .is_some_and(|weight| weight.part > OF_WEIGHT)
 }
 
 fn corrected_squares(recording: &ThinnedRecording<'_>, correction: &Affine) -> f64 {

@@ -7,7 +7,7 @@
 
 use super::{
     fault,
-    gravity_fit::{ALIKE, AXES, GravityFit, LIMIT, POOR, WRONG_RATIO, evidence},
+    gravity_fit::{ALIKE, AXES, GravityFit, GravityRows, LIMIT, POOR, WRONG_RATIO, evidence},
     hypotheses::Hypothesis,
     weight,
 };
@@ -47,8 +47,11 @@ pub(in crate::checks) fn check(
     hypotheses: &[Hypothesis],
 ) -> bool {
     let stated = exam.subject.robot.gravity;
-    let Some(Better { squares, gravity: found, stated: stated_fit }) = better(recording, stated) else { return false };
-    if weight::check(exam, recording, hypotheses, (&stated_fit, squares)) {
+    let Some(rows) = GravityRows::new(recording).filter(|_| norm(stated) > 0.0) else { return false };
+    let Some(Better { squares, gravity: found, stated: stated_fit }) = better(recording, &rows, stated) else {
+        return false;
+    };
+    if weight::check(exam, recording, hypotheses, (&rows, &stated_fit, squares)) {
         return true;
     }
     let ratio = stated_fit.squares() / squares;
@@ -92,13 +95,10 @@ struct Better {
     stated: GravityFit,
 }
 
-/// The best gravity of the same length; the stated one if no other explains the torques, `None` without gravity or links.
-fn better(recording: &ThinnedRecording<'_>, stated: Vec3) -> Option<Better> {
+/// The best gravity of the same length; the stated one if no other explains the torques, `None` without links.
+fn better(recording: &ThinnedRecording<'_>, rows: &GravityRows<'_, '_>, stated: Vec3) -> Option<Better> {
     let length = norm(stated);
-    if length == 0.0 {
-        return None;
-    }
-    let stated_fit = GravityFit::new(recording, stated)?;
+    let stated_fit = rows.fit(stated)?;
     let squares = stated_fit.squares();
     let reach = squares / stated_fit.fit_with_directions(recording, &AXES)?.squares;
     if reach < LIMIT && stated_fit.fit.relative_error() < WELL {
@@ -106,27 +106,26 @@ fn better(recording: &ThinnedRecording<'_>, stated: Vec3) -> Option<Better> {
     }
     let along = |axis: &Vec3| [length, -length].map(|l| scale(l, *axis));
     let others = AXES.iter().flat_map(along).filter(|g| angle_deg(*g, stated) > LEAST_DEG);
-    let all = others.filter_map(|gravity| GravityFit::new(recording, gravity));
-    let start = GravityFit::new(recording, stated)?;
-    let best = all.fold(start, |best, other| if other.squares() < best.squares() { other } else { best });
+    let all = others.filter_map(|gravity| rows.fit(gravity));
+    let other = all.min_by(|a, b| a.squares().total_cmp(&b.squares())).filter(|other| other.squares() < squares);
+    let other = other.map(|other| refined(rows, &other).unwrap_or(other));
     // A direction of which the torques show no sign keeps the stated one: of a SCARA arm the offset of its slide takes gravity along it.
-    let nearest = refined(recording, GravityFit::new(recording, stated)?);
-    let best = refined(recording, best);
-    let best = if nearest.squares() <= ALIKE * best.squares() { nearest } else { best };
-    if best.fit.relative_error() > POOR {
-        return Some(Better { gravity: stated, squares, stated: stated_fit });
-    }
-    Some(Better { gravity: best.gravity, squares: best.squares(), stated: stated_fit })
+    let nearest = refined(rows, &stated_fit);
+    let nearest = nearest.as_ref().unwrap_or(&stated_fit);
+    let best = other.as_ref().filter(|other| nearest.squares() > ALIKE * other.squares()).unwrap_or(nearest);
+    let is_poor = best.fit.relative_error() > POOR;
+    let (gravity, squares) = if is_poor { (stated, squares) } else { (best.gravity, best.squares()) };
+    Some(Better { gravity, squares, stated: stated_fit })
 }
 
-/// The best direction near a start.
-fn refined(recording: &ThinnedRecording<'_>, start: GravityFit) -> GravityFit {
-    let mut best = start;
+/// The best direction near a start; none if none is better.
+fn refined(rows: &GravityRows<'_, '_>, start: &GravityFit) -> Option<GravityFit> {
+    let mut best: Option<GravityFit> = None;
     for _ in 0..STEPS {
-        let Some(next) = best.next(recording).filter(|next| next.squares() < (1.0 - PROGRESS) * best.squares()) else {
-            break;
-        };
-        best = next;
+        let from = best.as_ref().unwrap_or(start);
+        let squares = from.squares();
+        let Some(next) = from.next(rows).filter(|next| next.squares() < (1.0 - PROGRESS) * squares) else { break };
+        best = Some(next);
     }
     best
 }

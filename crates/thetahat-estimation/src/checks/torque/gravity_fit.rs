@@ -1,5 +1,7 @@
 //! The fit of a robot's parameters with a gravity of choice.
 
+use std::cell::OnceCell;
+
 use crate::{
     checks::{
         examination::Evidence,
@@ -40,6 +42,46 @@ pub(super) fn evidence(value: f64) -> Evidence {
     Evidence { code: Code::GravityDirection, coordinate: None, value, unit, limit: LIMIT }
 }
 
+/// The rows of a recording with any gravity, in which they are linear: `X(g) = X(0) + g_x X_x + g_y X_y + g_z X_z`.
+pub(super) struct GravityRows<'a, 'r> {
+    recording: &'r ThinnedRecording<'a>,
+    columns: Vec<usize>,
+    without: Regression,
+    /// The change of the rows by unit gravity along each axis, computed when it is needed.
+    along: [OnceCell<Matrix>; 3],
+}
+
+impl<'a, 'r> GravityRows<'a, 'r> {
+    pub(super) fn new(recording: &'r ThinnedRecording<'a>) -> Option<Self> {
+        let columns = columns(recording);
+        let without = regression(recording, &columns, [0.0; 3])?;
+        Some(Self { recording, columns, without, along: [const { OnceCell::new() }; 3] })
+    }
+
+    /// The fit of the robot's parameters with a given gravity.
+    pub(super) fn fit(&self, gravity: Vec3) -> Option<GravityFit> {
+        let mut regression = self.without.clone();
+        for (axis, strength) in gravity.into_iter().enumerate().filter(|(_, strength)| *strength != 0.0) {
+            regression = regression.with_matrix(regression.x.plus(self.along(axis)?, strength));
+        }
+        let fit = OrthogonalFit::new(&regression);
+        Some(GravityFit { gravity, columns: self.columns.clone(), regression, fit })
+    }
+
+    fn along(&self, axis: usize) -> Option<&Matrix> {
+        if let Some(along) = self.along[axis].get() {
+            return Some(along);
+        }
+        let with = regression(self.recording, &self.columns, AXES[axis])?;
+        Some(self.along[axis].get_or_init(|| with.x.plus(&self.without.x, -1.0)))
+    }
+}
+
+fn regression(recording: &ThinnedRecording<'_>, columns: &[usize], gravity: Vec3) -> Option<Regression> {
+    let model = Model::new(&Robot { gravity, ..recording.subject.robot.clone() });
+    recording.regression_of(&model, columns).ok()
+}
+
 /// The fit of the robot's parameters with a given gravity.
 pub(super) struct GravityFit {
     pub(super) gravity: Vec3,
@@ -49,14 +91,6 @@ pub(super) struct GravityFit {
 }
 
 impl GravityFit {
-    pub(super) fn new(recording: &ThinnedRecording<'_>, gravity: Vec3) -> Option<Self> {
-        let model = Model::new(&Robot { gravity, ..recording.subject.robot.clone() });
-        let columns = columns(recording);
-        let regression = recording.regression_of(&model, &columns).ok()?;
-        let fit = OrthogonalFit::new(&regression);
-        Some(Self { gravity, columns, regression, fit })
-    }
-
     pub(super) fn squares(&self) -> f64 {
         self.fit.squares
     }
@@ -92,15 +126,15 @@ impl GravityFit {
     }
 
     /// One step of Gauss-Newton on the two angles.
-    pub(super) fn next(&self, recording: &ThinnedRecording<'_>) -> Option<Self> {
+    pub(super) fn next(&self, rows: &GravityRows<'_, '_>) -> Option<Self> {
         let length = norm(self.gravity);
         let across = across(self.gravity);
-        let theta = self.fit_with_directions(recording, &across)?.theta();
+        let theta = self.fit_with_directions(rows.recording, &across)?.theta();
         let change =
             theta[self.columns.len()..].iter().zip(across).fold([0.0; 3], |sum, (c, d)| add(sum, scale(*c, d)));
         let shorter = (LARGEST_STEP * length / norm(change).max(f64::MIN_POSITIVE)).min(1.0);
         let changed = add(self.gravity, scale(shorter, change));
-        Self::new(recording, scale(length / norm(changed), changed))
+        rows.fit(scale(length / norm(changed), changed))
     }
 }
 

@@ -7,7 +7,7 @@
 use super::{
     described_weight::described_weight,
     fault,
-    gravity_fit::{ALIKE, GravityFit, LIMIT, POOR, WRONG_RATIO, evidence},
+    gravity_fit::{ALIKE, GravityFit, GravityRows, LIMIT, POOR, WRONG_RATIO, evidence},
     hypotheses::Hypothesis,
 };
 use crate::checks::{
@@ -34,16 +34,16 @@ pub(super) fn check(
     exam: &mut Examination<'_>,
     recording: &ThinnedRecording<'_>,
     hypotheses: &[Hypothesis],
-    (stated, best): (&GravityFit, f64),
+    (rows, stated, best): (&GravityRows<'_, '_>, &GravityFit, f64),
 ) -> bool {
-    let Some(without) = GravityFit::new(recording, [0.0; 3]) else { return false };
+    let Some(without) = rows.fit([0.0; 3]) else { return false };
     let is_best = without.squares() <= ALIKE * best && without.fit.relative_error() < POOR;
     let ratio = stated.squares() / without.squares();
     let weight = if is_best { described_weight(recording, stated.gravity, &without) } else { None };
     let lacks_weight = weight.is_some_and(|weight| weight.part.abs() < LEAST_WEIGHT && weight.ratio > WRONG_RATIO);
     let fits_better = is_best && ratio > LIMIT && fault::largest_gain(recording, hypotheses) <= ratio;
     if !lacks_weight && !fits_better {
-        return !is_best && is_partly_compensated(exam, recording, stated, without);
+        return !is_best && is_partly_compensated(exam, recording, (rows, stated), without);
     }
     let value = if lacks_weight { weight.map_or(ratio, |weight| weight.ratio) } else { ratio };
     let part = weight.map(|weight| weight.part);
@@ -67,7 +67,7 @@ fn finding_text(ratio: f64, part: Option<f64>) -> FindingText {
 fn is_partly_compensated(
     exam: &mut Examination<'_>,
     recording: &ThinnedRecording<'_>,
-    stated: &GravityFit,
+    (rows, stated): (&GravityRows<'_, '_>, &GravityFit),
     without: GravityFit,
 ) -> bool {
     let length = norm(stated.gravity);
@@ -75,7 +75,7 @@ fn is_partly_compensated(
     if described.is_none_or(|weight| weight.part.abs() > PART_OF_WEIGHT) {
         return false;
     }
-    let Some(weaker) = weaker(recording, stated, without) else { return false };
+    let Some(weaker) = weaker(recording, (rows, stated), without) else { return false };
     let part = norm(weaker.gravity) / length;
     let value = stated.squares() / weaker.squares();
     if part > PART_OF_WEIGHT || value < LIMIT || weaker.fit.relative_error() > POOR {
@@ -93,13 +93,17 @@ fn is_partly_compensated(
 }
 
 /// The strength of gravity along the stated direction with the least squared residual.
-fn weaker(recording: &ThinnedRecording<'_>, stated: &GravityFit, without: GravityFit) -> Option<GravityFit> {
+fn weaker(
+    recording: &ThinnedRecording<'_>,
+    (rows, stated): (&GravityRows<'_, '_>, &GravityFit),
+    without: GravityFit,
+) -> Option<GravityFit> {
     let direction = scale(1.0 / norm(stated.gravity), stated.gravity);
     let mut best = without;
     for _ in 0..STEPS {
         let theta = best.fit_with_directions(recording, &[direction])?.theta();
         let strength = norm(best.gravity) + theta.last()?;
-        best = GravityFit::new(recording, scale(strength.max(0.0), direction))?;
+        best = rows.fit(scale(strength.max(0.0), direction))?;
     }
     Some(best)
 }

@@ -37,7 +37,7 @@ pub(super) fn clock(
         (None, None, Some(rate_hz)) => Ok(ProposedClock { rate_hz, time: None }),
         (None, None, None) => {
             let first = &sources[0];
-            Err(ProposalError::NoTime { file: first.file.to_owned(), columns: first.names() })
+            Err(ProposalError::NoTime { file: first.file.to_owned(), columns: first.listed() })
         }
     }
 }
@@ -60,7 +60,7 @@ fn named_time<'a>(named: &str, sources: &[Source<'a>]) -> Result<(Source<'a>, &'
             Err(ProposalError::NotATime { file: source.file.to_owned(), column, problem })
         }
         None => {
-            let (file, columns) = (sources[0].file.to_owned(), sources[0].names());
+            let (file, columns) = (sources[0].file.to_owned(), sources[0].listed());
             Err(ProposalError::NoSuchColumn { file, name: column, columns })
         }
     }

@@ -192,8 +192,8 @@ pub enum ProposalError {
         /// The rate of the times, Hz.
         found: f64,
     },
-    /// A column that was named is not there.
-    #[error("{}: there is no column {name:?}; the columns are: {}", file.display(), columns.join(" "))]
+    /// A column that was named is not there, or holds no numbers.
+    #[error("{}: there is no column {name:?} of numbers; the columns are: {}", file.display(), columns.join(" "))]
     NoSuchColumn {
         /// The recording.
         file: PathBuf,

@@ -83,7 +83,7 @@ impl Partners<'_, '_> {
         let offer = &self.offers[other];
         let has_time = offer.source.table.is_some_and(|t| !t.times.is_empty());
         if offer.is_empty() && !has_time {
-            let (file, columns) = (offer.source.file.to_owned(), offer.source.names());
+            let (file, columns) = (offer.source.file.to_owned(), offer.source.listed());
             return Err(ProposalError::UnclearFile { file, columns });
         }
         let related: Vec<usize> = (0..groups.len()).filter(|&g| self.are_related(other, groups[g].position)).collect();
@@ -121,7 +121,7 @@ fn no_signal<'a, 'o>(
     let without_signal =
         |o: &&Offer<'_>| o.is_empty() && o.source.table.is_none_or(|t| t.times.is_empty() || t.columns.len() > 1);
     if let (true, Some(offer)) = (offers.len() > 1, offers.iter().find(without_signal)) {
-        return ProposalError::UnclearFile { file: offer.source.file.to_owned(), columns: offer.source.names() };
+        return ProposalError::UnclearFile { file: offer.source.file.to_owned(), columns: offer.source.listed() };
     }
     let offer = offers.iter().find(|o| !o.is_empty()).or(offers.first());
     let source = offer.map(|o| o.source);
@@ -130,7 +130,7 @@ fn no_signal<'a, 'o>(
         signal,
         problem: offer.and_then(|o| of(o).as_ref().err().cloned()).unwrap_or_default(),
         joints,
-        columns: source.map(|s| s.names()).unwrap_or_default(),
+        columns: source.map(|s| s.listed()).unwrap_or_default(),
     }
 }
 

@@ -48,7 +48,7 @@ impl<'s, 'a> Named<'s, 'a> {
         if let (true, Err(name)) = (found.iter().all(Result::is_err), &found[likeliest]) {
             let source = &self.sources[likeliest];
             let (file, name) = (source.file.to_owned(), (*name).to_owned());
-            return Err(ProposalError::NoSuchColumn { file, name, columns: source.names() });
+            return Err(ProposalError::NoSuchColumn { file, name, columns: source.listed() });
         }
         let left = |columns| joints.left(columns);
         let found: Vec<Result<Vec<SelectedColumn<'a>>, &str>> =

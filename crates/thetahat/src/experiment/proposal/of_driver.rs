@@ -62,7 +62,7 @@ pub(super) fn require_columns(request: &ProposalRequest, sources: &[Source<'_>])
         file: first.file.to_owned(),
         driver: driver.name.clone(),
         expected: signals.into_iter().flat_map(|signal| driver.columns(signal)).cloned().collect(),
-        columns: first.names(),
+        columns: first.listed(),
     })
 }
 

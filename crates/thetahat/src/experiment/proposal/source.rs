@@ -69,6 +69,13 @@ impl<'a> Source<'a> {
         self.columns().map(|c| c.name.clone()).collect()
     }
 
+    /// The names of all its columns for an error, those that are not numbers with what they are.
+    pub(super) fn listed(&self) -> Vec<String> {
+        let all = self.contents.tables.iter().flat_map(|table| &table.columns);
+        let unread = all.filter_map(|c| Some(format!("`{}` ({})", c.name, c.not_numeric.as_ref()?)));
+        self.names().into_iter().chain(unread).collect()
+    }
+
     /// What one of its columns holds: as the driver has it, or as its name says among the others. Of a signal whose columns the driver
     /// has, no other is taken.
     pub(super) fn reading(&self, column: &str) -> Option<Reading> {

@@ -789,3 +789,22 @@ fn a_driver_that_has_the_names_of_a_log_is_named() {
     let error = proposed(&format!("t,{unclear}"), request()).unwrap_err().to_string();
     assert!(error.contains("--from franka"), "{error}");
 }
+
+/// Values of encoders by which joints with limits would turn without end, in rad and in deg.
+#[test]
+fn a_gain_is_asked_for_where_joints_with_limits_would_turn_many_times() {
+    let text = "<robot name='arm'><link name='base'/><link name='upper'/>\
+                <joint name='a' type='revolute'><parent link='base'/><child link='upper'/><axis xyz='0 0 1'/>\
+                <limit lower='-2' upper='2' effort='9' velocity='9'/></joint></robot>";
+    let robot = RobotSource::from_text(text.to_owned(), Path::new("arm.urdf")).unwrap();
+    let to_fill_in = |counts_per_rad: f64| {
+        let wave = |k: usize| (0.1 * k as f64).sin();
+        let row = |k: usize| format!("{},{},{}\n", k as f64 * 1e-3, (counts_per_rad * wave(k)).round(), wave(k + 5));
+        let folder = thetahat_testing::Folder::new();
+        folder.write("log.csv", format!("t,q1,tau1\n{}", (0..300).map(row).collect::<String>()));
+        let contents = inspect_with_time(&folder.at("log.csv"), None).unwrap();
+        propose(&request(), &robot, &[contents]).unwrap().to_fill_in().join(" ")
+    };
+    assert!(to_fill_in(83_443.0).contains("The position is written in counts"), "{}", to_fill_in(83_443.0));
+    assert_eq!(to_fill_in(57.3), "");
+}

@@ -16,6 +16,9 @@ pub(super) const LARGEST_ANGLE: f64 = 4.0 * std::f64::consts::PI;
 /// The same of joints that turn without end: in degrees it would be little motion, in rad ten turns.
 const LARGEST_OF_CONTINUOUS: f64 = 20.0 * std::f64::consts::PI;
 
+/// Times the range of a joint's limits by which no joint turns: its values are in another unit.
+const RANGES: f64 = 3.0;
+
 /// Joints of a pendulum.
 const FEW: usize = 2;
 /// By how much a position may exceed a limit of its joint, rad or m.
@@ -217,6 +220,9 @@ impl Units<'_, '_> {
         } else if largest > LARGEST_ANGLE && self.fits_after_the_gears(columns) {
             let why = "a guess: too large for angles of joints in rad, but in range for angles of motors";
             Measured::new(self.each(Unit::Radian), Side::Motor, why)
+        } else if self.turns_in_degrees(columns).is_some_and(|turns| turns > LARGEST_ANGLE) {
+            let why = "a guess: too large for rad and for deg of joints with limits";
+            Measured { gain: Some(gain_of_position("counts, or turns of motors")), ..joint(Unit::Radian, why) }
         } else if largest > LARGEST_ANGLE && !self.is_of_turns(columns) {
             joint(Unit::Degree, "a guess: too large for rad on the joint side")
         } else {
@@ -280,6 +286,17 @@ impl Units<'_, '_> {
             columns.iter().flat_map(|c| c.channels).zip(self.kinds()).filter(|(_, k)| *k == JointKind::Revolute);
         let ends = turning.flat_map(|(channel, _)| [channel.min, channel.max]).flatten();
         ends.fold(0.0, |largest, end| end.abs().max(largest))
+    }
+
+    /// The largest angle, rad, by which a joint turns that cannot, were its values in degrees: some times the range of its limits.
+    fn turns_in_degrees(&self, columns: &[SelectedColumn<'_>]) -> Option<f64> {
+        let channels = columns.iter().flat_map(|c| c.channels).zip(&self.joints);
+        let turned = channels.filter(|(_, joint)| joint.kind == JointKind::Revolute).filter_map(|(channel, joint)| {
+            let turned = Unit::Degree.to_si() * (channel.max? - channel.min?);
+            let range = joint.limits.upper? - joint.limits.lower?;
+            (range > 0.0 && turned > RANGES * range).then_some(turned)
+        });
+        turned.max_by(f64::total_cmp)
     }
 
     /// Whether these are one or two joints, of which only those without limits go beyond two turns in rad, and none beyond ten. An arm of

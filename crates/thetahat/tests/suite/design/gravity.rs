@@ -139,6 +139,7 @@ fn told(robot: &Robot, settings: &Settings, motion: &Motion, is_gravity: &dyn Fn
 /// In the same time, moves for the gravity parameters tell them nearly as narrowly as postures do, and are changed less by friction that
 /// the model does not have; so are sweeps.
 #[test]
+#[ignore = "long, each night"]
 fn gravity_needs_no_static_postures() {
     let alone = design(30.0, "", "");
     let robot = &alone.robot;

@@ -202,6 +202,19 @@ fn late_torques_get_their_delay() {
 }
 
 #[test]
+fn torques_of_another_clock_get_their_delay() {
+    let late = 80;
+    let fault = |log: &mut Log| {
+        let early = log.torque.clone();
+        (late..early.len()).for_each(|k| log.torque.sample_mut(k).copy_from_slice(early.sample(k - late)));
+    };
+    let (before, _) = mended(fault, &["lag"], NEARLY_SAME);
+    let delay: f64 = remedy(&before, "lag").changes[0].after.as_ref().unwrap().parse().unwrap();
+    assert!((delay - late as f64 / RATE_HZ).abs() < 0.1 / RATE_HZ, "{delay}");
+    assert_eq!(before.verdict, Some(Verdict::DoNotUse), "{:?}", before.verdict_reasons);
+}
+
+#[test]
 fn torques_that_are_held_are_said_to_be() {
     let fault = |log: &mut Log| log.torque = delayed(&log.torque, &vec![-0.5; log.torque.channels()]);
     let (before, _) = mended(fault, &["lag"], NEARLY_SAME);
