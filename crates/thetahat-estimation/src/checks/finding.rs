@@ -124,6 +124,8 @@ pub enum Code {
     RobotDescription,
     /// Which equations of a robot on a base that floats are used.
     EquationsUsed,
+    /// Something else acts on the robot for some time.
+    ExternalForce,
 }
 
 impl Code {
@@ -144,7 +146,7 @@ impl Code {
     }
 
     /// All codes, in order.
-    pub const ALL: [Self; 43] = [
+    pub const ALL: [Self; 44] = [
         Self::PositionScale,
         Self::PositionSign,
         Self::PositionZero,
@@ -188,6 +190,7 @@ impl Code {
         Self::NotPhysical,
         Self::RobotDescription,
         Self::EquationsUsed,
+        Self::ExternalForce,
     ];
 
     /// Its stable name, lower case with hyphens.
@@ -237,6 +240,7 @@ impl Code {
             Self::NotPhysical => "not-physical",
             Self::RobotDescription => "robot-description",
             Self::EquationsUsed => "equations-used",
+            Self::ExternalForce => "external-force",
         }
     }
 }

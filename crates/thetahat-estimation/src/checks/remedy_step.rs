@@ -77,6 +77,11 @@ pub enum RemedyStep {
     },
     /// Leaves samples near rest out.
     LeaveOutRests,
+    /// Leaves intervals of a recording out.
+    LeaveOutTimes {
+        /// From and to, s from its start.
+        times: Vec<[f64; 2]>,
+    },
     /// Leaves the parameters out that are not essential.
     Essential {
         /// How many.

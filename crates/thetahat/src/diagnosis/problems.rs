@@ -129,6 +129,7 @@ fn concern(code: Code) -> Concern {
         | Code::GravityDirection
         | Code::SameRecording
         | Code::RateContradicted
+        | Code::ExternalForce
         | Code::RecordingsContradict => Concern::All,
         Code::TorqueConstant
         | Code::TorqueIdle

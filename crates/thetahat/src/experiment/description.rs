@@ -132,6 +132,9 @@ pub struct RecordingDescription {
     pub window_start_s: Option<f64>,
     /// End of the window, s, likewise.
     pub window_end_s: Option<f64>,
+    /// Intervals that are left out, s from the start of the recording: something else acted on the robot.
+    #[serde(default)]
+    pub left_out_s: Vec<[f64; 2]>,
     /// Positions.
     pub position: ChannelSource,
     /// Velocities, where they were recorded: the checks compare them with the positions; nothing else uses them.

@@ -73,6 +73,7 @@ impl Experiment {
         recording.torque_unit_guessed = description.torque.as_ref().is_some_and(|torque| torque.unit_guessed);
         let recording = recording.unwrapped(&self.robot);
         let recording = without_delays(recording.into_equal_steps(&clock), description);
+        let recording = without_intervals(recording, &description.left_out_s);
         let recording = self.with_contacts(description, recording)?;
         Ok(match &description.reference_correction {
             Some(correction) => recording.with_corrected_reference(correction),
@@ -272,6 +273,17 @@ fn clock_of_read(
             .to_owned(),
     );
     Ok((read, clock_of(description, data, Some(equal))?))
+}
+
+/// The recording with gaps at intervals, s, that its description leaves out.
+fn without_intervals(mut recording: Recording, intervals: &[[f64; 2]]) -> Recording {
+    let samples = recording.position.len();
+    let sample = |seconds: f64| ((seconds * recording.sample_rate_hz).round() as usize).min(samples);
+    let left_out = intervals.iter().map(|[from, to]| sample(*from)..sample(*to)).filter(|gap| !gap.is_empty());
+    let gaps: Vec<_> = recording.gaps.iter().cloned().chain(left_out).collect();
+    recording.gaps = gaps;
+    recording.gaps.sort_unstable_by_key(|gap| gap.start);
+    recording
 }
 
 /// A recording with what its description says.

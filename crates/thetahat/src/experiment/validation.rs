@@ -54,6 +54,11 @@ impl Experiment {
         self.require((0.0..=1.0).contains(&jitter), "[recording] largest_jitter", "from 0 to 1 steps", jitter)?;
         let window = [recording.window_start_s, recording.window_end_s];
         validate_window("[recording]", window).map_err(|e| self.refuse(e))?;
+        for [from, to] in &recording.left_out_s {
+            let is_interval = *from >= 0.0 && to > from && to.is_finite();
+            let found = format!("[{from}, {to}]");
+            self.require(is_interval, "[recording] left_out_s", "pairs of a start and a later end", found)?;
+        }
         if let Some(reference) = &recording.reference {
             self.validate_unit(reference, "reference", &POSITION, POSITION)?;
         }

@@ -8,7 +8,7 @@ use thetahat_model::dynamics::{DynamicParameters, Model, Sign, State, Workspace}
 
 /// Means of torques over the shortest time below this part of each joint's root mean square are noise.
 const NO_TORQUE: f64 = 0.05;
-/// Ranges of positions below this part of each joint's whole range are rest.
+/// Distances of positions below this part of each joint's whole range are rest.
 const NO_MOTION: f64 = 0.01;
 /// Part of a joint's root mean square torque that gravity asks for, from which there is no reason for a torque of zero.
 const GRAVITY: f64 = 0.2;
@@ -16,7 +16,7 @@ const GRAVITY: f64 = 0.2;
 const SHORTEST_S: f64 = 0.3;
 
 impl Setup<'_> {
-    /// The samples at which the robot stands, all torques are zero, and gravity of the described links would move it.
+    /// The samples at which all torques are zero, and the robot stands or comes to rest where gravity of the described links would move it.
     pub(super) fn unpowered(&self, recording: &Recording, window: &Range<usize>) -> Vec<Range<usize>> {
         let Some(torque) = &recording.torque else { return Vec::new() };
         if self.robot.base_coordinates() > 0 {
@@ -26,10 +26,18 @@ impl Setup<'_> {
         let ranges = spans(&recording.position, window);
         let shortest = (SHORTEST_S * recording.sample_rate_hz).ceil() as usize;
         let stands = |at: &Range<usize>| {
-            let spans = spans(&recording.position, at);
-            spans.iter().zip(&ranges).all(|(span, range)| *span <= NO_MOTION * range)
+            let near = |k: usize, end: usize| {
+                let [at, end] = [k, end].map(|k| recording.position.sample(k));
+                at.iter().zip(end).zip(&ranges).all(|((at, end), range)| (at - end).abs() <= NO_MOTION * range)
+            };
+            // Brakes stop a robot that moves, and one that they have held is switched on before it moves.
+            let at_end = at.clone().rev().take_while(|k| near(*k, at.end - 1)).count();
+            let at_start = at.clone().take_while(|k| near(*k, at.start)).count();
+            at_end.max(at_start) >= shortest
         };
-        let mut found = without_torque(torque, window, shortest, &rms);
+        // Where brakes stop the robot, most of the time in which they hold it is not in the window.
+        let whole = 0..torque.len();
+        let mut found = without_torque(torque, &whole, shortest, &rms);
         found.retain(stands);
         if found.is_empty() {
             return found;
@@ -43,7 +51,7 @@ impl Setup<'_> {
         // Means near its ends have torques of the motion in them.
         let wider = |at: Range<usize>| at.start.saturating_sub(shortest / 2)..at.end + shortest / 2;
         let within = |at: Range<usize>| at.start.max(window.start)..at.end.min(window.end);
-        found.into_iter().map(wider).map(within).collect()
+        found.into_iter().map(wider).map(within).filter(|at| !at.is_empty()).collect()
     }
 
     /// The torques with which the described links would be held.

@@ -61,6 +61,10 @@ impl<'a> Source<'a> {
             let why = "a reduction has no columns of payloads; an identification takes recordings with one";
             return Err(experiment.missing("[recording] without payload", why).into());
         }
+        if !description.left_out_s.is_empty() {
+            let why = "a reduction takes every sample; an identification leaves intervals out";
+            return Err(experiment.missing("[recording] without left_out_s", why).into());
+        }
         let Some(torque) = &description.torque else {
             let why = "a reduction is of torques; an identification takes positions alone, by CLOE";
             return Err(experiment.missing("[recording] torque", why).into());

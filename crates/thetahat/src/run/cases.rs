@@ -7,7 +7,7 @@ use super::{
     curves,
     estimation_data::EstimationData,
     examination::{ExaminationModel, compare, examine, examine_robot, with_filter_explained, with_note},
-    explained_by_model::with_model_explained,
+    explained_by_model::{are_of_other_data, with_model_explained},
     identification::{CaseProblem, Identification},
     parameters::{elimination_result, not_separated},
     prepared::{PreparedRecording, filtered},
@@ -90,8 +90,11 @@ impl Identification {
         }
         progress("choosing the model");
         match self.model(&problems[0].problem, &results.runs)? {
-            Ok(model) => {
+            Ok(mut model) => {
                 with_model_explained(&mut results.findings, &model);
+                if are_of_other_data(&results.findings) {
+                    model.causes.clear();
+                }
                 results.model = Some(model);
             }
             Err(why) => results.no_model = Some(why),

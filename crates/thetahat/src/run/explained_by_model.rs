@@ -1,4 +1,4 @@
-//! Findings on the filter of the positions that the model answers.
+//! What the model says of findings, and findings of the model.
 
 use thetahat_estimation::checks::{Code, Finding, Severity};
 use thetahat_report::results::{ModelResult, RecordingFindings};
@@ -20,6 +20,26 @@ pub(super) fn with_model_explained(findings: &mut [RecordingFindings], model: &M
     let of_recordings = findings.iter_mut().filter(|f| !f.held_back);
     let unseen = model.unseen.as_ref().map_or(f64::INFINITY, |error| error.percent);
     of_recordings.flat_map(|of| &mut of.findings).for_each(|f| explain(f, unseen, &estimates));
+}
+
+/// Whether the checks found that the signals are not what they are said to be: errors of a model that was fitted to them have no causes.
+pub(super) fn are_of_other_data(findings: &[RecordingFindings]) -> bool {
+    let is_other = |finding: &Finding| {
+        let is_of_signals = matches!(
+            finding.code,
+            Code::PositionScale
+                | Code::PositionSign
+                | Code::PositionZero
+                | Code::TorqueScale
+                | Code::TorqueSign
+                | Code::JointsSwapped
+                | Code::Lag
+                | Code::GravityDirection
+                | Code::WrongRobot
+        );
+        is_of_signals && finding.severity == Severity::Problem
+    };
+    findings.iter().filter(|of| !of.held_back).flat_map(|of| &of.findings).any(is_other)
 }
 
 /// A value with its interval.

@@ -38,7 +38,8 @@ fn position(t: f64, joint: usize) -> f64 {
     0.5 * ((0.9 + 0.35 * joint as f64) * s + joint as f64).sin() + 0.3 * ((1.9 + 0.2 * joint as f64) * s).sin()
 }
 
-fn recording(robot: &Robot, brakes: bool) -> Recording {
+/// With brakes that hold the robot, and torques of zero, from one time to another.
+fn recording(robot: &Robot, braked: Option<[f64; 2]>) -> Recording {
     let model = Model::new(robot);
     let theta = robot.a_priori_parameters();
     let parameters = DynamicParameters::sorted(&model, &theta);
@@ -54,26 +55,31 @@ fn recording(robot: &Robot, brakes: bool) -> Recording {
         let mut tau = vec![0.0; joints];
         let sign = Sign::Smooth { scale: 0.01 };
         model.inverse_dynamics(&parameters, State::new(&q, &dq), &ddq, sign, &mut workspace, &mut tau);
-        let is_held = brakes && (STANDS[0] + 1.0..STANDS[1] - 1.0).contains(&t);
+        let is_held = braked.is_some_and(|[from, to]| (from..to).contains(&t));
         torques.extend(tau.iter().map(|tau| if is_held { 0.0 } else { *tau } + 0.05 * noise()));
         positions.extend(q);
     }
     Recording::new(RATE_HZ, Series::shaped(joints, positions), Series::shaped(joints, torques))
 }
 
-fn results(brakes: bool) -> Results {
+fn results(braked: Option<[f64; 2]>) -> Results {
     let robot = robot();
     let settings = Settings::new(10.0, 10).with_methods([Method::IDIM_WLS]);
-    Identification::new(&robot, vec![recording(&robot, brakes)], settings).unwrap().run().unwrap()
+    Identification::new(&robot, vec![recording(&robot, braked)], settings).unwrap().run().unwrap()
 }
 
 #[test]
 fn torques_of_zero_while_brakes_hold_are_left_out_and_said() {
-    let [free, braked] = [false, true].map(results);
+    let free = results(None);
     let error = |results: &Results| results.model.as_ref().unwrap().fit.percent;
-    println!("fit {:.3} % without brakes, {:.3} % with", error(&free), error(&braked));
     let has_note = |results: &Results| results.recordings[0].notes.iter().any(|note| note.contains("brakes"));
-    assert!(!has_note(&free) && has_note(&braked), "{:?}", braked.recordings[0].notes);
-    assert!(error(&braked) < 1.2 * error(&free) + 0.05, "{} {}", error(&braked), error(&free));
-    assert_eq!(braked.verdict, Some(Verdict::Good), "{:?}", braked.verdict_reasons);
+    assert!(!has_note(&free));
+    // Brakes that hold a robot that stands, and an emergency stop, in which they stop it.
+    for from in [STANDS[0] + 1.0, STANDS[0]] {
+        let braked = results(Some([from, STANDS[1] - 1.0]));
+        println!("fit {:.3} % without brakes, {:.3} % with", error(&free), error(&braked));
+        assert!(has_note(&braked), "{:?}", braked.recordings[0].notes);
+        assert!(error(&braked) < 1.2 * error(&free) + 0.05, "{} {}", error(&braked), error(&free));
+        assert_eq!(braked.verdict, Some(Verdict::Good), "{:?}", braked.verdict_reasons);
+    }
 }

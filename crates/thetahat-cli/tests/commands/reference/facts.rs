@@ -38,7 +38,7 @@ pub const LINK_QUANTITIES: [(&str, &str); 3] = [
 ];
 
 /// Code, severities, evidence, and what to do.
-pub const FINDINGS: [[&str; 4]; 43] = [
+pub const FINDINGS: [[&str; 4]; 44] = [
     [
         "position-scale",
         "problem",
@@ -83,8 +83,8 @@ pub const FINDINGS: [[&str; 4]; 43] = [
     ],
     [
         "lag",
-        "warning, note",
-        "samples by which torques are later than positions. A warning where it explains {checks/time/lag EXPLAINED_LIMIT_PERCENT} % of the squared residual and {checks/time/lag EFFECT_LIMIT_PERCENT} % of the torque, or {checks/time/lag MOST_OF_RESIDUAL_PERCENT} % of the squared residual, or where it is that of a held torque (half a sample early); else a note",
+        "problem, warning, note",
+        "samples by which torques are later than positions. A warning where it explains {checks/time/lag EXPLAINED_LIMIT_PERCENT} % of the squared residual and {checks/time/lag EFFECT_LIMIT_PERCENT} % of the torque, or {checks/time/lag MOST_OF_RESIDUAL_PERCENT} % of the squared residual, or where it is that of a held torque (half a sample early); else a note. A problem where nothing else explains the torques and a lag of {checks/time/lag_search LONGEST_S} to {checks/time/long_lag LONGEST_S} s reduces the squared residual by {checks/time/long_lag GAIN} times",
         "`held = true` for a torque that the controller holds from sample to sample, or `delay_s` of the torque",
     ],
     [
@@ -291,6 +291,12 @@ pub const FINDINGS: [[&str; 4]; 43] = [
         "note",
         "a robot on a base that floats: the part of the window in which the six equations of the base, and those of the joints, are used",
         "nothing to do; measured forces, torques and times without contact give more equations",
+    ],
+    [
+        "external-force",
+        "problem",
+        "mean squared residual over that of the fit without the times at which the joints' errors are {checks/torque/external_force HIGH} times the usual ones for {checks/torque/external_force SHORTEST_S} s or longer ({checks/torque/external_force GAIN} times)",
+        "record without contacts and pushes, or leave the times out by `left_out_s`",
     ],
 ];
 

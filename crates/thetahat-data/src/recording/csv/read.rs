@@ -140,7 +140,7 @@ impl<'a> Columns<'a> {
         row.len() != self.names.len() && row.get(0).is_some_and(begins_comment)
     }
 
-    /// Whether a row is a line of words after the table, such as `End of record;;;`: one cell, which is no value, at the end of the text.
+    /// Whether a row is a line of words after the table, such as `End of file;;;`: one cell, which is no value, at the end of the text.
     fn is_closing(&self, row: &ByteRecord) -> bool {
         let mut filled = row.iter().filter(|cell| !cell.trim_ascii().is_empty());
         let (Some(words), None) = (filled.next(), filled.next()) else { return false };

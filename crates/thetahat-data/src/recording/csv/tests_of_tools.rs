@@ -102,7 +102,7 @@ fn lists_in_cells() {
 /// Loggers that say how the recording ended.
 #[test]
 fn words_after_the_table() {
-    for closing in ["End of record;;\n", "End of record\n\n", "Stopped;\nOperator Jones;;\n"] {
+    for closing in ["End of file;;\n", "End of file\n\n", "Stopped;\nOperator Jones;;\n"] {
         let text = format!("t;q1;q2\n0;1;2\n0.1;3;4\n{closing}");
         assert_eq!(read_text(&text, "columns = ['t', 'q2']").unwrap(), [0.0, 2.0, 0.1, 4.0], "{closing:?}");
     }

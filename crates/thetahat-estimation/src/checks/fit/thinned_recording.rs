@@ -159,6 +159,16 @@ impl<'a> ThinnedRecording<'a> {
         }
     }
 
+    /// Rows of a coordinate in a second, where none is left out.
+    pub(in crate::checks) fn rows_per_second(&self) -> f64 {
+        self.rate_hz / (self.steps_per_row() * self.every) as f64
+    }
+
+    /// Time of a row of each coordinate, s from the start of the window.
+    pub(in crate::checks) fn time_of_row(&self, row: usize) -> f64 {
+        self.kept[row] as f64 / self.rate_hz
+    }
+
     pub(in crate::checks) fn coordinates(&self) -> usize {
         self.torque.channels()
     }

@@ -2,6 +2,7 @@
 
 mod alike;
 mod described_weight;
+pub(in crate::checks) mod external_force;
 pub(in crate::checks) mod fault;
 pub(in crate::checks) mod friction;
 pub(in crate::checks) mod gear;

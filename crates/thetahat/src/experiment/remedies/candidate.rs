@@ -28,6 +28,7 @@ pub(super) fn is_of_recording(step: &RemedyStep) -> bool {
         | RemedyStep::Delay { .. }
         | RemedyStep::Hold
         | RemedyStep::EqualSteps { .. }
+        | RemedyStep::LeaveOutTimes { .. }
         | RemedyStep::CorrectReference { .. } => true,
         RemedyStep::Cutoff { .. }
         | RemedyStep::LeaveOutRests
@@ -49,6 +50,7 @@ pub(super) fn moves_position(step: &RemedyStep) -> bool {
         | RemedyStep::CorrectReference { .. }
         | RemedyStep::Cutoff { .. }
         | RemedyStep::LeaveOutRests
+        | RemedyStep::LeaveOutTimes { .. }
         | RemedyStep::Essential { .. }
         | RemedyStep::LockJoint { .. }
         | RemedyStep::AddTerm { .. }

@@ -85,6 +85,7 @@ fn joints_of(step: &RemedyStep, n: usize) -> Vec<usize> {
         | RemedyStep::CorrectReference { .. }
         | RemedyStep::Cutoff { .. }
         | RemedyStep::LeaveOutRests
+        | RemedyStep::LeaveOutTimes { .. }
         | RemedyStep::Essential { .. }
         | RemedyStep::LockJoint { .. }
         | RemedyStep::AddTerm { .. }

@@ -42,6 +42,10 @@ pub(super) fn label(step: &RemedyStep, changes: &[SettingChange], robot: &Robot)
         RemedyStep::Cutoff { cutoff_hz } => format!("Cut-off {cutoff_hz} Hz"),
         RemedyStep::EqualSteps { sample_rate_hz } => format!("Equal steps at {} Hz", significant(*sample_rate_hz, 6)),
         RemedyStep::LeaveOutRests => "Leave out samples near rest".to_owned(),
+        RemedyStep::LeaveOutTimes { times } => {
+            let seconds: f64 = times.iter().map(|[from, to]| to - from).sum();
+            format!("Leave out {} s in which something acts on the robot", significant(seconds, 3))
+        }
         RemedyStep::Essential { left_out } => {
             format!("Leave out {left_out} parameter{}", if *left_out == 1 { "" } else { "s" })
         }

@@ -93,6 +93,7 @@ impl Draft<'_> {
             | RemedyStep::Delay { .. }
             | RemedyStep::Hold
             | RemedyStep::EqualSteps { .. }
+            | RemedyStep::LeaveOutTimes { .. }
             | RemedyStep::CorrectReference { .. } => {
                 let target = self.target(step)?;
                 Some((self.in_recording(&target, step)?, target.count))
@@ -184,6 +185,12 @@ impl Draft<'_> {
                 target.change(&["time"], None),
                 target.change(&["sample_rate_hz"], Value::from(*sample_rate_hz)),
             ]),
+            RemedyStep::LeaveOutTimes { times } => {
+                let mut all: Vec<[f64; 2]> = target.description.left_out_s.iter().chain(times).copied().collect();
+                all.sort_by(|a, b| a[0].total_cmp(&b[0]));
+                let all = all.into_iter().map(|time| Value::from(time.to_vec())).collect();
+                Some(vec![target.change(&["left_out_s"], Value::Array(all))])
+            }
             RemedyStep::CorrectReference { delay_s, scale, offset } => {
                 let is_new =
                     target.description.reference.is_some() && target.description.reference_correction.is_none();

@@ -51,9 +51,9 @@ pub(super) fn lasting_percent(variant: &Variant<'_>, choice: &Choice, transition
     let (mut lasting, mut torque) = (0.0, 0.0);
     for prepared in identification.main.iter() {
         let lag = lag(prepared, setup.settings.signal.cutoff_hz);
-        let (tau, motion) = middle(prepared);
+        let Middle { tau, motion, is_used } = middle(prepared);
         let left = residual_of(&tau, &motion, &problem.model, &choice.standard, Sign::Smooth { scale: transition });
-        let products = products(&left, &motion.dq, &moving_from(prepared, transition), lag);
+        let products = products((&left, &is_used), &motion.dq, &moving_from(prepared, transition), lag);
         let samples = tau.len() as f64;
         lasting += samples * products.iter().map(|of_joint| of_joint.lasting(lag)).sum::<f64>();
         torque += tau.values().iter().map(|tau| tau * tau).sum::<f64>();
@@ -82,13 +82,26 @@ fn motion_hz(motion: &Motion) -> f64 {
     (0..motion.q.channels()).map(of_joint).fold(0.0, f64::max)
 }
 
-/// Torques and motion of the samples in the middle of the window.
-fn middle(prepared: &PreparedRecording) -> (Series, Motion) {
-    let Motion { q, dq, ddq } = &prepared.filtered.motion;
+/// The samples in the middle of the window.
+struct Middle {
+    tau: Series,
+    motion: Motion,
+    /// Whether each sample is in no gap.
+    is_used: Vec<bool>,
+}
+
+fn middle(prepared: &PreparedRecording) -> Middle {
+    let filtered = &prepared.filtered;
+    let Motion { q, dq, ddq } = &filtered.motion;
     let kept = q.len().min(MOST_SAMPLES);
     let start = (q.len() - kept) / 2;
     let cut = |series: &Series| series.window(start..start + kept);
-    (cut(&prepared.filtered.centred_torque()), Motion { q: cut(q), dq: cut(dq), ddq: cut(ddq) })
+    let is_used = |k: usize| !filtered.left_out.iter().any(|gap| gap.contains(&k));
+    Middle {
+        tau: cut(&filtered.centred_torque()),
+        motion: Motion { q: cut(q), dq: cut(dq), ddq: cut(ddq) },
+        is_used: (start..start + kept).map(is_used).collect(),
+    }
 }
 
 /// The velocity from which each joint moves.
@@ -98,9 +111,9 @@ fn moving_from(prepared: &PreparedRecording, transition: f64) -> Vec<f64> {
     limits.into_iter().map(|limit| limit.max(SETTLED * transition)).collect()
 }
 
-fn products(left: &Series, dq: &Series, moving_from: &[f64], lag: usize) -> Vec<Products> {
+fn products((left, is_used): (&Series, &[bool]), dq: &Series, moving_from: &[f64], lag: usize) -> Vec<Products> {
     let mut products = vec![Products::default(); left.channels()];
-    for k in 0..left.len().saturating_sub(lag) {
+    for k in (0..left.len().saturating_sub(lag)).filter(|&k| is_used[k] && is_used[k + lag]) {
         for (j, of_joint) in products.iter_mut().enumerate() {
             if [k, k + lag].iter().any(|&k| dq.sample(k)[j].abs() <= moving_from[j]) {
                 continue;

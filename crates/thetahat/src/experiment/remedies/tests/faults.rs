@@ -214,6 +214,25 @@ fn torques_of_another_clock_get_their_delay() {
     assert_eq!(before.verdict, Some(Verdict::DoNotUse), "{:?}", before.verdict_reasons);
 }
 
+/// Someone pushes the arm twice: its first joints hold against it.
+#[test]
+fn times_of_an_external_force_are_left_out() {
+    let fault = |log: &mut Log| {
+        for (from, length) in [(6.0, 0.8), (13.0, 0.5)] {
+            let pushed = |t: f64| (std::f64::consts::PI * ((t - from) / length).clamp(0.0, 1.0)).sin();
+            for k in 0..log.torque.len() {
+                let push = pushed(log.time[k]);
+                log.torque.sample_mut(k).iter_mut().take(3).for_each(|torque| *torque += 20.0 * push);
+            }
+        }
+    };
+    let (before, _) = mended(fault, &["external-force"], NEARLY_SAME);
+    let remedy = remedy(&before, "external-force");
+    let RemedyStep::LeaveOutTimes { times } = &remedy.steps[0].step else { panic!("{:?}", remedy.steps) };
+    let holds = |from: f64, to: f64| times.iter().any(|time| time[0] <= from && time[1] >= to && to - from < 1.5);
+    assert!(times.len() == 2 && holds(6.1, 6.7) && holds(13.1, 13.4), "{times:?}");
+}
+
 #[test]
 fn torques_that_are_held_are_said_to_be() {
     let fault = |log: &mut Log| log.torque = delayed(&log.torque, &vec![-0.5; log.torque.channels()]);

@@ -5,6 +5,7 @@ use crate::{
     preparation::{FilteredRecording, Problem},
     run::identification::Identification,
 };
+use statrs::statistics::Statistics;
 use thetahat_estimation::{
     identification::Assembly,
     signal::{Derivative, Motion, Padding, SecondOrderSections, zero_phase},
@@ -29,6 +30,8 @@ const SMOOTHING_ORDER: usize = 4;
 /// Compliance of the difference for elastic joints, rad per N m.
 const COMPLIANCE: f64 = 1e-6;
 
+/// Friction of a joint over the rest of its torque from which it is no witness of a delay: friction that builds up over a way looks late.
+const MOST_FRICTION: f64 = 1.3;
 /// Joints up to which crosstalk is tested between all pairs, whose number grows with the square; of more between neighbours.
 const ALL_PAIRS: usize = 8;
 /// Names of the axes of a frame.
@@ -187,7 +190,9 @@ impl<'a> Torques<'a> {
         tried.extend(lengths);
         tried.extend((1..joints).map(|j| Tried::Coupling(j - 1)));
         if joints > 1 {
-            tried.extend((0..joints).flat_map(|j| [Tried::LateTorque(Some(j)), Tried::GainDrift(Some(j))]));
+            let friction = self.friction_shares().unwrap_or_else(|| vec![0.0; joints]);
+            tried.extend((0..joints).filter(|&j| friction[j] < MOST_FRICTION).map(|j| Tried::LateTorque(Some(j))));
+            tried.extend((0..joints).map(|j| Tried::GainDrift(Some(j))));
         }
         tried.extend((0..3).filter(|&axis| self.can_tilt_about(axis)).map(Tried::Gravity));
         let is_near = |from: usize, into: usize| joints <= ALL_PAIRS || from.abs_diff(into) == 1;
@@ -195,6 +200,25 @@ impl<'a> Torques<'a> {
         tried.extend((0..joints).flat_map(|from| others(from).map(move |into| Tried::Crosstalk([from, into]))));
         tried.extend((0..joints).flat_map(|j| [Tried::FallingConstant(j), Tried::Spring(j), Tried::Asymmetric(j)]));
         tried
+    }
+
+    /// Standard deviation of each joint's predicted friction over that of the rest of its torque.
+    fn friction_shares(&self) -> Option<Vec<f64>> {
+        let table = self.problem.model.parameter_table();
+        let bodies: Vec<f64> = table
+            .iter()
+            .zip(self.standard)
+            .map(|(parameter, value)| if parameter.quantity.is_friction() { 0.0 } else { *value })
+            .collect();
+        let rests: Vec<Series> =
+            self.recordings().map(|r| self.of(&self.problem.model, &bodies, &r.motion, r)).collect::<Option<_>>()?;
+        let share = |j: usize| {
+            let rest: Vec<f64> = rests.iter().flat_map(|rest| rest.channel(j)).collect();
+            let all = self.predicted.iter().flat_map(|torque| torque.channel(j));
+            let friction = all.zip(&rest).map(|(all, rest)| all - rest);
+            friction.population_std_dev() / rest.iter().population_std_dev()
+        };
+        Some((0..self.joints()).map(share).collect())
     }
 
     fn cause(&self, tried: Tried) -> Option<Cause> {
