@@ -22,7 +22,8 @@ pub(super) fn with_model_explained(findings: &mut [RecordingFindings], model: &M
     of_recordings.flat_map(|of| &mut of.findings).for_each(|f| explain(f, unseen, &estimates));
 }
 
-/// Whether the checks found that the signals are not what they are said to be: errors of a model that was fitted to them have no causes.
+/// Whether the checks found that the signals are not those of the robot alone, as they are said to be: errors of a model that was fitted to
+/// them have no causes.
 pub(super) fn are_of_other_data(findings: &[RecordingFindings]) -> bool {
     let is_other = |finding: &Finding| {
         let is_of_signals = matches!(
@@ -35,6 +36,7 @@ pub(super) fn are_of_other_data(findings: &[RecordingFindings]) -> bool {
                 | Code::JointsSwapped
                 | Code::Lag
                 | Code::GravityDirection
+                | Code::ExternalForce
                 | Code::WrongRobot
         );
         is_of_signals && finding.severity == Severity::Problem
