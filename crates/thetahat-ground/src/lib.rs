@@ -3,6 +3,10 @@
 
 pub mod series;
 
+pub mod stretches;
+
+pub mod interpolation;
+
 pub mod linear_algebra;
 
 pub mod quadratic_program;

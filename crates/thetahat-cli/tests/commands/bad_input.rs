@@ -602,6 +602,16 @@ fn a_window_beyond_the_record() {
 }
 
 #[test]
+fn times_to_leave_out_beyond_the_recording() {
+    let late = "sample_rate_hz = 1000\nleft_out_s = [[0.5, 0.6], [3.9, 9.0]]";
+    Case::valid().experiment("sample_rate_hz = 1000", late).is_refused(&[
+        "experiment.toml",
+        "left_out_s is [3.9, 9]",
+        "expected intervals that start before the recording ends",
+    ]);
+}
+
+#[test]
 fn a_window_that_ends_before_it_starts() {
     Case::valid().experiment("[parameters]", "window_start_s = 2\nwindow_end_s = 1\n[parameters]").is_refused(&[
         "experiment.toml",

@@ -10,7 +10,7 @@ use super::{
     stretches::Stretches,
     table::MissingValues,
 };
-use thetahat_ground::series::Series;
+use thetahat_ground::{interpolation::lagrange_weights, series::Series};
 
 /// Fraction of the steps that may deviate by more than the largest jitter: if more do, there is no usual step.
 const MOST_IRREGULAR: f64 = 0.3;
@@ -234,12 +234,6 @@ impl Clock {
 fn largest(values: &[f64]) -> (usize, f64) {
     let worst = values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
     worst.map_or((0, 0.0), |(k, d)| (k, *d))
-}
-
-/// Weights of the values at `near` in the polynomial through them, at `t`.
-fn lagrange_weights(near: &[f64], t: f64) -> impl Iterator<Item = f64> {
-    let factor = move |i: usize, j: usize| (t - near[j]) / (near[i] - near[j]);
-    (0..near.len()).map(move |i| (0..near.len()).filter(|&j| j != i).map(|j| factor(i, j)).product())
 }
 
 #[cfg(test)]

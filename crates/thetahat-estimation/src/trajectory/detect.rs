@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{TimeLaw, TrajectoryError};
-use thetahat_ground::series::Series;
+use thetahat_ground::{series::Series, stretches::stretches_where};
 
 /// A joint travels if its range is above this fraction of the largest range ...
 const LEAST_TRAVEL: f64 = 1e-2;
@@ -63,23 +63,7 @@ fn runs(speed: &[f64], rate: f64) -> Vec<Range<usize>> {
     let is_move = |run: &Range<usize>| {
         run.len() as f64 / rate >= SHORTEST_S && speed[run.clone()].iter().any(|v| *v > LEAST_PEAK * top)
     };
-    stretches_above(speed, MOVING * top).into_iter().filter(is_move).collect()
-}
-
-fn stretches_above(values: &[f64], threshold: f64) -> Vec<Range<usize>> {
-    let mut stretches = Vec::new();
-    let mut start = None;
-    for (k, above) in values.iter().map(|v| *v > threshold).chain([false]).enumerate() {
-        match (above, start) {
-            (true, None) => start = Some(k),
-            (false, Some(first)) => {
-                stretches.push(first..k);
-                start = None;
-            }
-            _ => {}
-        }
-    }
-    stretches
+    stretches_where(0..speed.len(), |k| speed[k] > MOVING * top).into_iter().filter(is_move).collect()
 }
 
 /// Moves are separated at the lowest speed between them; some rest is kept before the first and after the last.
@@ -153,11 +137,6 @@ fn law_from_crossings(rising: [f64; 3], falling: [f64; 3], shortest: f64) -> Tim
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn stretches_end_with_the_values() {
-        assert_eq!(stretches_above(&[0.0, 2.0, 2.0, 0.0, 2.0], 1.0), vec![1..3, 4..5]);
-    }
 
     #[test]
     fn crossings_are_interpolated() {

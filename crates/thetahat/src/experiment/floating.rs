@@ -9,7 +9,7 @@ use super::{
 };
 use crate::preparation::{PreparationError, Recording, torques};
 use thetahat_data::recording::{self, ChannelSource, Side};
-use thetahat_ground::{number::significant, series::Series, vector::norm};
+use thetahat_ground::{number::significant, series::Series, stretches::stretches_where, vector::norm};
 use thetahat_model::{
     dynamics::{Model, Wrench},
     robot::{LinkQuantity, Quantity},
@@ -268,7 +268,7 @@ impl Experiment {
         let forces = torques(&model, &bodies, &motion, None);
         let flies = |k: usize| norm([0, 1, 2].map(|i| forces.sample(k)[i])) <= FLIGHT * weight;
         let period = recording.sample_rate_hz / self.settings.signal.cutoff_hz;
-        let found = stretches(forces.len(), flies, period);
+        let found = flights(forces.len(), flies, period);
         let expected =
             "times in which the robot is in flight for three periods of cutoff_hz; state them, or measure the contacts";
         PreparationError::require(!found.is_empty(), key, expected, "none").map_err(|e| self.refuse(e))?;
@@ -288,20 +288,10 @@ fn leave_out_base(recording: &mut Recording, why: &str) {
 }
 
 /// The stretches of samples that fly, without a period at each end, that are long enough.
-fn stretches(samples: usize, flies: impl Fn(usize) -> bool, period: f64) -> Vec<Range<usize>> {
+fn flights(samples: usize, flies: impl Fn(usize) -> bool, period: f64) -> Vec<Range<usize>> {
     let edge = period.ceil() as usize;
-    let mut found = Vec::new();
-    let mut start = None;
-    for k in 0..=samples {
-        match (start, k < samples && flies(k)) {
-            (None, true) => start = Some(k),
-            (Some(first), false) => {
-                found.push(first + edge..k.saturating_sub(edge));
-                start = None;
-            }
-            (None, false) | (Some(_), true) => {}
-        }
-    }
+    let without_ends = |stretch: Range<usize>| stretch.start + edge..stretch.end.saturating_sub(edge);
+    let mut found: Vec<Range<usize>> = stretches_where(0..samples, flies).into_iter().map(without_ends).collect();
     found.retain(|range| range.end > range.start && range.len() as f64 >= SHORTEST_FLIGHT * period);
     found
 }
@@ -329,7 +319,7 @@ mod tests {
     #[test]
     fn flight_is_cut_at_both_ends_and_must_last() {
         let flies = |k: usize| (10..40).contains(&k) || (60..75).contains(&k) || k >= 90;
-        assert_eq!(stretches(120, flies, 4.5), [15..35, 65..70, 95..115]);
-        assert_eq!(stretches(120, flies, 8.0), [18..32, 98..112]);
+        assert_eq!(flights(120, flies, 4.5), [15..35, 65..70, 95..115]);
+        assert_eq!(flights(120, flies, 8.0), [18..32, 98..112]);
     }
 }

@@ -73,7 +73,7 @@ impl Experiment {
         recording.torque_unit_guessed = description.torque.as_ref().is_some_and(|torque| torque.unit_guessed);
         let recording = recording.unwrapped(&self.robot);
         let recording = without_delays(recording.into_equal_steps(&clock), description);
-        let recording = without_intervals(recording, &description.left_out_s);
+        let recording = without_intervals(recording, &description.left_out_s).map_err(|e| self.refuse(e))?;
         let recording = self.with_contacts(description, recording)?;
         Ok(match &description.reference_correction {
             Some(correction) => recording.with_corrected_reference(correction),
@@ -276,14 +276,18 @@ fn clock_of_read(
 }
 
 /// The recording with gaps at intervals, s, that its description leaves out.
-fn without_intervals(mut recording: Recording, intervals: &[[f64; 2]]) -> Recording {
-    let samples = recording.position.len();
-    let sample = |seconds: f64| ((seconds * recording.sample_rate_hz).round() as usize).min(samples);
-    let left_out = intervals.iter().map(|[from, to]| sample(*from)..sample(*to)).filter(|gap| !gap.is_empty());
-    let gaps: Vec<_> = recording.gaps.iter().cloned().chain(left_out).collect();
-    recording.gaps = gaps;
+fn without_intervals(mut recording: Recording, intervals: &[[f64; 2]]) -> Result<Recording, PreparationError> {
+    let (samples, rate) = (recording.position.len(), recording.sample_rate_hz);
+    let sample = |seconds: f64| ((seconds * rate).round() as usize).min(samples);
+    for [from, to] in intervals {
+        let expected = format!("intervals that start before the recording ends, at {:.3} s", samples as f64 / rate);
+        let found = format!("[{from}, {to}]");
+        PreparationError::require(sample(*from) < samples, "[recording] left_out_s", &expected, found)?;
+        recording.gaps.push(sample(*from)..sample(*to));
+    }
+    recording.gaps.retain(|gap| !gap.is_empty());
     recording.gaps.sort_unstable_by_key(|gap| gap.start);
-    recording
+    Ok(recording)
 }
 
 /// A recording with what its description says.

@@ -1,6 +1,6 @@
 //! Rows that a logger repeats because it asks more often than there are new values.
 
-use thetahat_ground::series::Series;
+use thetahat_ground::{interpolation::lagrange_weights, series::Series};
 
 /// Part of the rows that must be repeats: fewer are accidents, which the checks name.
 const LEAST_PART: f64 = 0.02;
@@ -72,19 +72,14 @@ pub(super) fn bridged(series: &Series, repeated: &[usize]) -> Series {
         let before = (0..k).rev().filter(|&i| is_new[i]).take(NODES);
         let after = (k + 1..series.len()).filter(|&i| is_new[i]).take(NODES);
         let nodes: Vec<usize> = before.chain(after).collect();
+        let places: Vec<f64> = nodes.iter().map(|&node| node as f64).collect();
         let sample = bridged.sample_mut(k);
         sample.fill(0.0);
-        for &node in &nodes {
-            let weight = lagrange_weight(node, &nodes, k);
+        for (&node, weight) in nodes.iter().zip(lagrange_weights(&places, k as f64)) {
             sample.iter_mut().zip(series.sample(node)).for_each(|(sum, value)| *sum += weight * value);
         }
     }
     bridged
-}
-
-fn lagrange_weight(node: usize, nodes: &[usize], k: usize) -> f64 {
-    let others = nodes.iter().filter(|&&other| other != node);
-    others.map(|&other| (k as f64 - other as f64) / (node as f64 - other as f64)).product()
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use thetahat_ground::series::Series;
+use thetahat_ground::{interpolation::lagrange_weights, series::Series, stretches::stretches_of_equal};
 
 /// Second difference, as a part of its rms over the series, below which a sample is on the line of its neighbours.
 const ON_LINE: f64 = 0.02;
@@ -57,9 +57,8 @@ pub(super) fn without_straight_lines(series: &Series) -> Option<Straightened> {
 /// The polynomial through the nodes.
 fn interpolate(nodes: &[Node], place: f64, value: &mut [f64]) {
     value.fill(0.0);
-    for (i, node) in nodes.iter().enumerate() {
-        let others = nodes.iter().enumerate().filter(|(j, _)| *j != i);
-        let weight: f64 = others.map(|(_, other)| (place - other.place) / (node.place - other.place)).product();
+    let places: Vec<f64> = nodes.iter().map(|node| node.place).collect();
+    for (node, weight) in nodes.iter().zip(lagrange_weights(&places, place)) {
         value.iter_mut().zip(&node.value).for_each(|(sum, v)| *sum += weight * v);
     }
 }
@@ -89,16 +88,14 @@ impl Bends {
 
     /// The samples on a line between two values: stretches that are straight and end at short bends.
     fn short_lines(&self) -> Vec<Range<usize>> {
-        let stretches: Vec<(bool, Range<usize>)> = stretches(&self.is_bent);
-        let is_value = |stretch: Option<&(bool, Range<usize>)>| {
-            stretch.is_some_and(|(is_bent, range)| *is_bent && range.len() <= LONGEST_BEND)
-        };
-        let is_short = |i: usize| {
-            let (is_bent, range) = &stretches[i];
-            let ends = [i.checked_sub(1).and_then(|before| stretches.get(before)), stretches.get(i + 1)];
-            !is_bent && range.len() <= LONGEST_LINE && ends.into_iter().all(is_value)
-        };
-        (0..stretches.len()).filter(|&i| is_short(i)).map(|i| stretches[i].1.clone()).collect()
+        // Straight and bent ones in turn.
+        let stretches = stretches_of_equal(&self.is_bent);
+        let is_bent = |stretch: &Range<usize>| self.is_bent[stretch.start];
+        let is_value = |stretch: &Range<usize>| is_bent(stretch) && stretch.len() <= LONGEST_BEND;
+        let is_line = |stretch: &Range<usize>| !is_bent(stretch) && stretch.len() <= LONGEST_LINE;
+        let three =
+            stretches.windows(3).filter(|three| is_value(&three[0]) && is_line(&three[1]) && is_value(&three[2]));
+        three.map(|three| three[1].clone()).collect()
     }
 
     /// Whether the bends of a channel that moves are a few of its smallest steps.
@@ -158,18 +155,6 @@ impl Bends {
 
 fn second_difference(series: &Series, k: usize, j: usize) -> f64 {
     series.sample(k + 1)[j] - 2.0 * series.sample(k)[j] + series.sample(k - 1)[j]
-}
-
-/// The stretches of equal flags, one after the other.
-fn stretches(flags: &[bool]) -> Vec<(bool, Range<usize>)> {
-    let mut all: Vec<(bool, Range<usize>)> = Vec::new();
-    for (k, &flag) in flags.iter().enumerate() {
-        match all.last_mut().filter(|(last, _)| *last == flag) {
-            Some((_, range)) => range.end = k + 1,
-            None => all.push((flag, k..k + 1)),
-        }
-    }
-    all
 }
 
 #[cfg(test)]

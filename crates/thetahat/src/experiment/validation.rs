@@ -42,6 +42,19 @@ impl Experiment {
     }
 
     fn validate_recording(&self, recording: &RecordingDescription) -> Result<(), ExperimentError> {
+        self.validate_units(recording)?;
+        self.require_positive("[recording] weight", recording.weight)?;
+        self.validate_times(recording)?;
+        if let Some(correction) = &recording.reference_correction {
+            correction.validate(self.robot.coordinate_count()).map_err(|e| self.refuse(e))?;
+            let why = "reference_correction puts a recorded reference right";
+            recording.reference.as_ref().map(|_| ()).ok_or_else(|| self.missing("[recording] reference", why))?;
+        }
+        self.validate_delays(recording)?;
+        self.validate_keys_of_torque(recording)
+    }
+
+    fn validate_units(&self, recording: &RecordingDescription) -> Result<(), ExperimentError> {
         self.validate_unit(&recording.position, "position", &POSITION, POSITION)?;
         if let Some(torque) = &recording.torque {
             self.validate_unit(torque, "torque", &DRIVE, EFFORT)?;
@@ -49,7 +62,17 @@ impl Experiment {
         if let Some(velocity) = &recording.velocity {
             self.validate_unit(velocity, "velocity", &VELOCITY, VELOCITY)?;
         }
-        self.require_positive("[recording] weight", recording.weight)?;
+        if let Some(reference) = &recording.reference {
+            self.validate_unit(reference, "reference", &POSITION, POSITION)?;
+        }
+        if let Some(signal) = &recording.added_signal {
+            signal.require_dimension("added signal", &DRIVE)?;
+        }
+        Ok(recording.base.iter().try_for_each(BaseDescription::require_units)?)
+    }
+
+    /// The clock, the window and the times that are left out.
+    fn validate_times(&self, recording: &RecordingDescription) -> Result<(), ExperimentError> {
         let jitter = recording.largest_jitter;
         self.require((0.0..=1.0).contains(&jitter), "[recording] largest_jitter", "from 0 to 1 steps", jitter)?;
         let window = [recording.window_start_s, recording.window_end_s];
@@ -59,41 +82,6 @@ impl Experiment {
             let found = format!("[{from}, {to}]");
             self.require(is_interval, "[recording] left_out_s", "pairs of a start and a later end", found)?;
         }
-        if let Some(reference) = &recording.reference {
-            self.validate_unit(reference, "reference", &POSITION, POSITION)?;
-        }
-        if let Some(correction) = &recording.reference_correction {
-            correction.validate(self.robot.coordinate_count()).map_err(|e| self.refuse(e))?;
-            let why = "reference_correction puts a recorded reference right";
-            recording.reference.as_ref().map(|_| ()).ok_or_else(|| self.missing("[recording] reference", why))?;
-        }
-        recording.base.iter().try_for_each(BaseDescription::require_units)?;
-        if let Some(signal) = &recording.added_signal {
-            signal.require_dimension("added signal", &DRIVE)?;
-        }
-        let sources = [&recording.torque, &recording.velocity, &recording.reference, &recording.added_signal];
-        for source in sources.into_iter().flatten().chain([&recording.position]).chain(recording.channels.values()) {
-            for delay in source.delay_s.given() {
-                self.require(delay.abs() <= LONGEST_DELAY_S, "[recording] delay_s", "from -60 to 60 s", delay)?;
-            }
-        }
-        let of_joints = sources.into_iter().flatten().chain([&recording.position]);
-        for source in of_joints {
-            let n = self.robot.coordinate_count();
-            let expected = format!("one number, or a list of {n}");
-            let found = format!("a list of {}", source.delay_s.given().len());
-            self.require(source.delay_s.fits(n), "[recording] delay_s", &expected, found)?;
-        }
-        for source in recording.channels.values() {
-            self.require(source.delay_s.given().len() == 1, "[recording.channels] delay_s", "one number", "a list")?;
-        }
-        let others = [&recording.velocity, &recording.reference, &recording.added_signal].into_iter().flatten();
-        let others: Vec<&ChannelSource> =
-            others.chain([&recording.position]).chain(recording.channels.values()).collect();
-        let held = others.iter().any(|source| source.held);
-        self.require(!held, "[recording] held", "for the torque alone", held)?;
-        let guessed = others.iter().any(|source| source.unit_guessed);
-        self.require(!guessed, "[recording] unit_guessed", "for the torque alone", guessed)?;
         if let Some(time) = &recording.time {
             let expected = "0: signals are late, not times";
             self.require(!time.is_delayed(), "[recording] time: delay_s", expected, "another number")?;
@@ -107,6 +95,41 @@ impl Experiment {
             }
             (None, None) => Err(self.missing("[recording] sample_rate_hz or time", "one of the two gives the rate")),
         }
+    }
+
+    fn validate_delays(&self, recording: &RecordingDescription) -> Result<(), ExperimentError> {
+        let n = self.robot.coordinate_count();
+        let optional = [&recording.torque, &recording.velocity, &recording.reference, &recording.added_signal];
+        for source in optional.into_iter().flatten().chain([&recording.position]) {
+            self.validate_delay(source)?;
+            let expected = format!("one number, or a list of {n}");
+            let found = format!("a list of {}", source.delay_s.given().len());
+            self.require(source.delay_s.fits(n), "[recording] delay_s", &expected, found)?;
+        }
+        for source in recording.channels.values() {
+            self.validate_delay(source)?;
+            self.require(source.delay_s.given().len() == 1, "[recording.channels] delay_s", "one number", "a list")?;
+        }
+        Ok(())
+    }
+
+    fn validate_delay(&self, source: &ChannelSource) -> Result<(), ExperimentError> {
+        let is_short = |delay: &&f64| delay.abs() <= LONGEST_DELAY_S;
+        match source.delay_s.given().iter().find(|delay| !is_short(delay)) {
+            Some(delay) => Err(self.refuse_value("[recording] delay_s", "from -60 to 60 s", &delay.to_string())),
+            None => Ok(()),
+        }
+    }
+
+    /// Other signals have no keys that only a torque has.
+    fn validate_keys_of_torque(&self, recording: &RecordingDescription) -> Result<(), ExperimentError> {
+        let optional = [&recording.velocity, &recording.reference, &recording.added_signal].into_iter().flatten();
+        let others: Vec<&ChannelSource> =
+            optional.chain([&recording.position]).chain(recording.channels.values()).collect();
+        let held = others.iter().any(|source| source.held);
+        self.require(!held, "[recording] held", "for the torque alone", held)?;
+        let guessed = others.iter().any(|source| source.unit_guessed);
+        self.require(!guessed, "[recording] unit_guessed", "for the torque alone", guessed)
     }
 
     /// On the joint side, and without gains that convert them, values have a dimension of `joints`: revolute or

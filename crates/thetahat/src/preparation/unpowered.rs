@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{Recording, Setup};
-use thetahat_ground::series::Series;
+use thetahat_ground::{series::Series, stretches::stretches_where};
 use thetahat_model::dynamics::{DynamicParameters, Model, Sign, State, Workspace};
 
 /// Means of torques over the shortest time below this part of each joint's root mean square are noise.
@@ -73,7 +73,9 @@ fn without_torque(torque: &Series, window: &Range<usize>, shortest: usize, rms: 
         let means = until.iter().zip(before).map(|(until, before)| (until - before) / (to - from) as f64);
         means.zip(rms).all(|(mean, rms)| mean.abs() <= NO_TORQUE * rms)
     };
-    stretches(window, shortest, is_zero)
+    let mut stretches = stretches_where(window.clone(), is_zero);
+    stretches.retain(|stretch| stretch.len() >= shortest);
+    stretches
 }
 
 /// Sums of each channel over the samples before each of a range.
@@ -99,32 +101,4 @@ fn spans(series: &Series, at: &Range<usize>) -> Vec<f64> {
     let values = |j: usize| at.clone().map(move |k| series.sample(k)[j]);
     let span = |j: usize| values(j).fold(f64::NEG_INFINITY, f64::max) - values(j).fold(f64::INFINITY, f64::min);
     (0..series.channels()).map(span).collect()
-}
-
-/// Stretches of at least `shortest` samples that are all alike.
-fn stretches(within: &Range<usize>, shortest: usize, is_one: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
-    let mut found = Vec::new();
-    let mut start = within.start;
-    for k in within.start..=within.end {
-        if k < within.end && is_one(k) {
-            continue;
-        }
-        if k - start >= shortest {
-            found.push(start..k);
-        }
-        start = k + 1;
-    }
-    found
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn short_stretches_are_left_out() {
-        let ones = [3, 4, 5, 8, 9, 10, 11];
-        assert!(stretches(&(2..12), 5, |k| ones.contains(&k)).is_empty());
-        assert_eq!(stretches(&(2..12), 3, |k| ones.contains(&k)), [3..6, 8..12]);
-    }
 }

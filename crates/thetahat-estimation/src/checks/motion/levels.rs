@@ -9,6 +9,7 @@ use crate::checks::{
     signals::Signals,
 };
 use crate::statistics::quantile;
+use thetahat_ground::stretches::stretches_of_equal;
 
 /// Values this close, relative to the span, are the same: the conversion to the motor side rounds.
 const SAME: f64 = 1e-7;
@@ -67,7 +68,7 @@ fn idle(exam: &mut Examination<'_>, j: usize, moving: &[f64]) -> bool {
 
 /// Checks for a stretch of time in which the joint moves and the drive signal does not change.
 fn frozen(exam: &mut Examination<'_>, signals: &Signals, j: usize, drive: &[f64]) {
-    let runs = runs(drive);
+    let runs = stretches_of_equal(drive);
     let lengths: Vec<f64> = runs.iter().map(|run| run.len() as f64).collect();
     let usual = quantile(&lengths, USUAL_RUN);
     let speed = |run: &Range<usize>| {
@@ -105,18 +106,6 @@ fn frozen(exam: &mut Examination<'_>, signals: &Signals, j: usize, drive: &[f64]
         );
         FindingText::new(message, remedy).about(parameters)
     });
-}
-
-/// The stretches of equal values, one after the other.
-fn runs(values: &[f64]) -> Vec<Range<usize>> {
-    let mut runs: Vec<Range<usize>> = Vec::new();
-    for k in 0..values.len() {
-        match runs.last_mut().filter(|run| values[run.start] == values[k]) {
-            Some(run) => run.end = k + 1,
-            None => runs.push(k..k + 1),
-        }
-    }
-    runs
 }
 
 /// Checks for few values in many samples, in equal steps or not.
@@ -158,12 +147,6 @@ fn levels(values: &[f64]) -> Vec<(f64, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn equal_values_in_a_row_are_runs() {
-        assert_eq!(runs(&[1.0, 1.0, 2.0, 1.0]), [0..2, 2..3, 3..4]);
-        assert!(runs(&[]).is_empty());
-    }
 
     #[test]
     fn values_that_differ_by_rounding_are_one_level() {

@@ -6,6 +6,8 @@
 
 use std::ops::Range;
 
+use thetahat_ground::stretches::stretches_where;
+
 use crate::checks::{
     examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
@@ -107,7 +109,8 @@ fn forces(recording: &ThinnedRecording<'_>) -> Option<Forces> {
     }
     let kept = left_out.iter().filter(|is_out| !**is_out).count();
     let gain = (all.squares / rows as f64) / (squares / kept as f64);
-    let times: Vec<[f64; 2]> = stretches(&left_out).into_iter().map(|rows| time_of(recording, &rows)).collect();
+    let times: Vec<[f64; 2]> =
+        stretches_where(0..rows, |i| left_out[i]).into_iter().map(|rows| time_of(recording, &rows)).collect();
     (times.len() <= MOST_TIMES).then_some(Forces { times, gain })
 }
 
@@ -130,25 +133,14 @@ fn disturbed(recording: &ThinnedRecording<'_>, errors: &[f64], left_out: &[bool]
         let around = &squares[i.saturating_sub(half)..(i + half + 1).min(rows)];
         around.iter().sum::<f64>() / around.len() as f64
     };
-    let is_high: Vec<bool> = (0..rows).map(|i| mean(i) > HIGH * HIGH).collect();
     let margin = in_rows(MARGIN_S);
     let mut disturbed = vec![false; rows];
-    for stretch in stretches(&is_high).into_iter().filter(|stretch| stretch.len() >= in_rows(SHORTEST_S)) {
+    let mut high = stretches_where(0..rows, |i| mean(i) > HIGH * HIGH);
+    high.retain(|stretch| stretch.len() >= in_rows(SHORTEST_S));
+    for stretch in high {
         disturbed[stretch.start.saturating_sub(margin)..(stretch.end + margin).min(rows)].fill(true);
     }
     disturbed
-}
-
-/// The stretches of flags that are set.
-fn stretches(flags: &[bool]) -> Vec<Range<usize>> {
-    let mut found: Vec<Range<usize>> = Vec::new();
-    for (k, _) in flags.iter().enumerate().filter(|(_, flag)| **flag) {
-        match found.last_mut().filter(|last| last.end == k) {
-            Some(last) => last.end = k + 1,
-            None => found.push(k..k + 1),
-        }
-    }
-    found
 }
 
 fn time_of(recording: &ThinnedRecording<'_>, rows: &Range<usize>) -> [f64; 2] {

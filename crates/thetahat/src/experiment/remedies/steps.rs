@@ -148,34 +148,12 @@ impl Draft<'_> {
                 let order: Vec<usize> = order.iter().map(|joint| joint.checked_sub(1)).collect::<Option<_>>()?;
                 self.of_signals(target, step, *signal, &|channels| channels.in_order(&order))
             }
-            RemedyStep::Scale { position, torque } => {
-                let mut changes = Vec::new();
-                for (signal, factors) in [(RemedySignal::Position, position), (RemedySignal::Torque, torque)] {
-                    if !factors.is_empty() {
-                        let scaled = |channels: &Channels<'_>| {
-                            let mut entries = channels.scaled(factors)?;
-                            // Masses do not distinguish mN m from mA.
-                            let is_guess =
-                                signal == RemedySignal::Torque && entries.iter().any(|(key, _)| *key == "unit");
-                            entries.extend(is_guess.then(|| ("unit_guessed", Some(Value::from(true)))));
-                            Some(entries)
-                        };
-                        changes.extend(self.of_signals(target, step, signal, &scaled)?);
-                    }
-                }
-                Some(changes)
-            }
+            RemedyStep::Scale { position, torque } => self.scaled(target, step, position, torque),
             RemedyStep::Side { signal, at_motor } => {
                 self.of_signals(target, step, *signal, &|channels| channels.at_side(*at_motor))
             }
             RemedyStep::Delay { delay_s, joints } => {
-                let n = self.robot.coordinate_count();
-                let is_late = |k: usize| joints.is_empty() || joints.contains(&(k + 1));
-                let own = torque()?.delay_s.to_list(n).into_iter().enumerate();
-                let delays = own.map(|(k, own)| own + if is_late(k) { *delay_s } else { 0.0 });
-                let in_microseconds = |delay: f64| Value::from((1e6 * delay).round() / 1e6);
-                let delays = one_or_list(delays.map(in_microseconds).collect());
-                Some(vec![target.change(&["torque", "delay_s"], delays)])
+                Some(vec![target.change(&["torque", "delay_s"], self.delayed(torque()?, *delay_s, joints))])
             }
             RemedyStep::Hold => {
                 torque()?;
@@ -206,6 +184,39 @@ impl Draft<'_> {
             | RemedyStep::AddTerm { .. }
             | RemedyStep::Gravity { .. } => None,
         }
+    }
+
+    /// Positions and torques times a factor for each joint.
+    fn scaled(
+        &self,
+        target: &Target<'_>,
+        step: &RecordingStep,
+        position: &[f64],
+        torque: &[f64],
+    ) -> Option<Vec<Change>> {
+        let mut changes = Vec::new();
+        for (signal, factors) in [(RemedySignal::Position, position), (RemedySignal::Torque, torque)] {
+            if factors.is_empty() {
+                continue;
+            }
+            let scaled = |channels: &Channels<'_>| {
+                let mut entries = channels.scaled(factors)?;
+                // Masses do not distinguish mN m from mA.
+                let is_guess = signal == RemedySignal::Torque && entries.iter().any(|(key, _)| *key == "unit");
+                entries.extend(is_guess.then(|| ("unit_guessed", Some(Value::from(true)))));
+                Some(entries)
+            };
+            changes.extend(self.of_signals(target, step, signal, &scaled)?);
+        }
+        Some(changes)
+    }
+
+    /// The delays of a torque of which some joints, or all if none is named, are later by `delay_s`.
+    fn delayed(&self, torque: &ChannelSource, delay_s: f64, joints: &[usize]) -> Value {
+        let is_late = |k: usize| joints.is_empty() || joints.contains(&(k + 1));
+        let own = torque.delay_s.to_list(self.robot.coordinate_count()).into_iter().enumerate();
+        let delays = own.map(|(k, own)| own + if is_late(k) { delay_s } else { 0.0 });
+        one_or_list(delays.map(|delay| Value::from((1e6 * delay).round() / 1e6)).collect())
     }
 
     /// The entries of the signals that a step changes, with the recorded reference and velocities where they have the same fault.
