@@ -12,7 +12,7 @@ title = "mobile manipulator: simulated"
 robot = "mobile_manipulator.urdf"
 locked = { head_1_joint = 0.0, head_2_joint = 0.5, left_finger_joint = 0.01 }
 [twin]
-sample_rate_hz = 500
+sample_rate_hz = 250
 points = [POINTS]
 max_velocity = [300, 120, 120, 150, 150, 180, 180, 200]
 acceleration_time_s = 0.25
@@ -33,7 +33,7 @@ seed = 5
 sign_velocity_scale = 0.0005
 [signal]
 cutoff_hz = 30
-decimation = 10
+decimation = 5
 [controller]
 law = "pd"
 bandwidth_hz = 10

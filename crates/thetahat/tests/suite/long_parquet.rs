@@ -103,7 +103,7 @@ fn a_reduction_from_parquet_is_that_from_text() {
     let text = experiment(folder.path(), "record.csv");
     let [in_pieces, whole] =
         [3000, 1 << 16].map(|piece| (piece, without_file_names(reduce(&text, folder.path(), piece))));
-    for (of_group, (piece, expected)) in [(1000, &whole), (9999, &in_pieces), (samples, &in_pieces)] {
+    for (of_group, (piece, expected)) in [(9999, &whole), (1000, &in_pieces)] {
         write_parquet(&folder.at("record.parquet"), &channels, of_group);
         let parquet = experiment(folder.path(), "record.parquet");
         assert_eq!(without_file_names(reduce(&parquet, folder.path(), *piece)), *expected, "{of_group} {piece}");

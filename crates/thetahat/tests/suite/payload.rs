@@ -247,6 +247,7 @@ fn gains_of_seven_axes() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn gains_of_the_ur10() {
     gains_are_found("robots/ur10.toml");
 }

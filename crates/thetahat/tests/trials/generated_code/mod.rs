@@ -21,6 +21,7 @@ use thetahat::{
     symbolic::{Function, ModelKind, ParameterSet, Request},
 };
 use thetahat_symbolic::symbolic::{Array, Inputs};
+use thetahat_testing::each_night;
 
 const ROBOTS: [&str; 9] = [
     "two_joint.toml",
@@ -188,12 +189,8 @@ pub fn all_trials() -> Vec<Trial> {
     let all = [
         trials("c", &ROBOTS, is_there("cc", &["--version"]), c::run),
         vec![Trial::test("own_sines_of_c", c::own_sines).with_ignored_flag(!is_there("cc", &["--version"]))],
-        trials(
-            "rust",
-            &["two_joint.toml", WITH_TERMS, "scara.toml", "tx40.toml"],
-            is_there("rustc", &["--version"]),
-            rust::run,
-        ),
+        trials("rust", &["two_joint.toml", WITH_TERMS, "scara.toml"], is_there("rustc", &["--version"]), rust::run),
+        each_night(trials("rust", &["tx40.toml"], is_there("rustc", &["--version"]), rust::run)),
         trials("python", &ROBOTS, python.is_some(), python::run),
         vec![
             Trial::test("matlab", text::matlab),
