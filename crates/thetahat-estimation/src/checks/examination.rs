@@ -67,6 +67,22 @@ impl<'a> Examination<'a> {
         raised
     }
 
+    /// Raises a finding if the evidence is above its limit, in place of one of the same code and joint. Returns whether it is.
+    pub(super) fn replace(
+        &mut self,
+        evidence: Evidence,
+        severity: Severity,
+        text: impl FnOnce() -> FindingText,
+    ) -> bool {
+        let joint = evidence.coordinate.map(|c| self.subject.joint_number(c));
+        let raised = evidence.value > evidence.limit;
+        if raised {
+            self.findings.retain(|finding| finding.code != evidence.code || finding.joint != joint);
+            self.raise(evidence, severity, text());
+        }
+        raised
+    }
+
     /// Notes the evidence without a finding.
     pub(super) fn note_measure(&mut self, Evidence { code, coordinate, value, limit, .. }: Evidence) {
         let joint = coordinate.map(|c| self.subject.joint_number(c));

@@ -121,7 +121,8 @@ fn check_fit(exam: &mut Examination<'_>, signals: &Signals, recording: &mut Thin
     }
     torque::fault::check(exam, recording, &hypotheses);
     if recording.is_long_enough() {
-        if torque::external_force::check(exam, recording) {
+        let is_limited = torque::limit::check(exam, recording) || exam.has(&[Code::TorqueSaturated]);
+        if !is_limited && torque::external_force::check(exam, recording) {
             return motion::excitation::check(exam, &recording.with_estimated_parameters());
         }
         time::long_lag::check(exam, recording);

@@ -130,6 +130,7 @@ fn concern(code: Code) -> Concern {
         | Code::SameRecording
         | Code::RateContradicted
         | Code::ExternalForce
+        | Code::TorqueSaturated
         | Code::RecordingsContradict => Concern::All,
         Code::TorqueConstant
         | Code::TorqueIdle
@@ -142,7 +143,6 @@ fn concern(code: Code) -> Concern {
         | Code::DroppedSamples
         | Code::RepeatedSamples
         | Code::ClockJitter
-        | Code::TorqueSaturated
         | Code::TorqueQuantised
         | Code::TorqueSpikes
         | Code::PositionQuantised

@@ -39,7 +39,8 @@ pub(super) fn are_of_other_data(findings: &[RecordingFindings]) -> bool {
                 | Code::ExternalForce
                 | Code::WrongRobot
         );
-        is_of_signals && finding.severity == Severity::Problem
+        let is_limited = finding.code == Code::TorqueSaturated && finding.severity < Severity::Note;
+        is_limited || (is_of_signals && finding.severity == Severity::Problem)
     };
     findings.iter().filter(|of| !of.held_back).flat_map(|of| &of.findings).any(is_other)
 }

@@ -113,9 +113,9 @@ pub const FINDINGS: [[&str; 4]; 44] = [
     ],
     [
         "torque-saturated",
-        "warning",
-        "samples of a drive at exactly its extreme value, many more than at the next value ({checks/torque/levels SATURATED_LIMIT_PERCENT} % of the window)",
-        "move more slowly, or widen the range of drive or logger",
+        "problem, warning",
+        "samples of a drive at exactly its extreme value, many more than at the next value ({checks/torque/levels SATURATED_LIMIT_PERCENT} % of the window); a problem: rows at its extreme value where the motion, by a fit to the other times, asks for more ({checks/torque/limit LIMIT_PERCENT} % of the window)",
+        "move more slowly, widen the range of drive or logger, or leave the times out by `left_out_s`",
     ],
     [
         "torque-constant",

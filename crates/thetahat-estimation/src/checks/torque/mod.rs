@@ -10,6 +10,7 @@ pub(in crate::checks) mod gravity;
 mod gravity_fit;
 pub(in crate::checks) mod hypotheses;
 pub(in crate::checks) mod levels;
+pub(in crate::checks) mod limit;
 mod order;
 mod screening;
 pub(in crate::checks) mod spikes;

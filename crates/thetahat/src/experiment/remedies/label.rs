@@ -44,7 +44,7 @@ pub(super) fn label(step: &RemedyStep, changes: &[SettingChange], robot: &Robot)
         RemedyStep::LeaveOutRests => "Leave out samples near rest".to_owned(),
         RemedyStep::LeaveOutTimes { times } => {
             let seconds: f64 = times.iter().map(|[from, to]| to - from).sum();
-            format!("Leave out {} s in which something acts on the robot", significant(seconds, 3))
+            format!("Leave out {} s of the recording", significant(seconds, 3))
         }
         RemedyStep::Essential { left_out } => {
             format!("Leave out {left_out} parameter{}", if *left_out == 1 { "" } else { "s" })

@@ -8,17 +8,20 @@ use super::{
 use crate::run::prepared::PreparedRecording;
 use thetahat_report::results::{ModelError, ModelJointError};
 
-/// Whether the sign of each row's friction is not settled there, or in the row before or after.
+/// Whether the sign of each row's friction is not settled at a sample between the row before and the row after.
 pub(super) fn turning(prepared: &[PreparedRecording], rows: &ModelRows, transition: f64) -> Vec<bool> {
     let mut turning = Vec::new();
     for j in 0..rows.layout.joints() {
         for (p, decimator) in prepared.iter().zip(&rows.decimators) {
             let limits = near_rest_limits(p.filtered.near_rest.as_ref(), rows.layout.joints());
             let limit = limits[j].max(SETTLED * transition);
-            let is_slow: Vec<bool> =
-                decimator.kept().map(|k| p.filtered.motion.dq.sample(k)[j].abs() < limit).collect();
-            let neighbours = |k: usize| k.saturating_sub(1)..(k + 2).min(is_slow.len());
-            turning.extend((0..is_slow.len()).map(|k| is_slow[neighbours(k)].contains(&true)));
+            let dq = &p.filtered.motion.dq;
+            let kept: Vec<usize> = decimator.kept().collect();
+            let turns = |k: usize| {
+                let [from, to] = [k.saturating_sub(1), (k + 1).min(kept.len() - 1)].map(|row| kept[row]);
+                (from..=to).any(|sample| dq.sample(sample)[j].abs() < limit)
+            };
+            turning.extend((0..kept.len()).map(turns));
         }
     }
     turning

@@ -233,6 +233,21 @@ fn times_of_an_external_force_are_left_out() {
     assert!(times.len() == 2 && holds(6.1, 6.7) && holds(13.1, 13.4), "{times:?}");
 }
 
+/// A recorder's range ends at three quarters of the largest torque of joint 2; noise follows.
+#[test]
+fn times_at_which_a_torque_is_clipped_are_left_out() {
+    let fault = |log: &mut Log| {
+        let range = 0.75 * log.torque.channel(1).iter().fold(0.0, |most: f64, torque| most.max(torque.abs()));
+        for k in 0..log.torque.len() {
+            let noise = 1e-3 * range * (12.9898 * k as f64).sin() * (78.233 * k as f64).cos();
+            let torque = &mut log.torque.sample_mut(k)[1];
+            *torque = torque.clamp(-range, range) + noise;
+        }
+    };
+    let (before, after) = mended(fault, &["torque-saturated-2"], NEARLY_SAME);
+    assert_eq!((before.verdict, after.verdict), (Some(Verdict::DoNotUse), Some(Verdict::Good)));
+}
+
 #[test]
 fn torques_that_are_held_are_said_to_be() {
     let fault = |log: &mut Log| log.torque = delayed(&log.torque, &vec![-0.5; log.torque.channels()]);

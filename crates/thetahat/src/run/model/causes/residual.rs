@@ -160,6 +160,11 @@ impl Residual {
         Some(high)
     }
 
+    /// The size of an error of one column that explains a part of the torques, percent.
+    pub(super) fn size_explaining(&self, column: &[f64], percent: f64) -> f64 {
+        0.01 * percent * self.torque / norm(column)
+    }
+
     /// The column of a cause of one number, outside what is explained.
     pub(super) fn column(&self, candidate: usize) -> &[f64] {
         self.candidates[candidate].columns.column(0)

@@ -1,0 +1,193 @@
+//! Recorded torques that are clipped, with noise or without.
+//!
+//! A clipped torque stays near its extreme value while the motion, by the fit to the other times, asks for more. Torques of constant
+//! acceleration, and those of a drive whose limit the motion follows, stay there as well, and are what that fit predicts.
+
+use thetahat_ground::{number::significant, stretches::stretches_where};
+
+use crate::{
+    checks::{
+        examination::{Evidence, Examination, FindingText},
+        finding::{Code, Severity},
+        fit::{orthogonal_fit::OrthogonalFit, thinned_recording::ThinnedRecording},
+        numbers::{NORMAL_PER_MEDIAN, quantile_abs, rms},
+        remedy_step::RemedyStep,
+    },
+    statistics::quantile,
+};
+
+/// Part of the rows below the extreme value of a torque.
+const EXTREME: f64 = 0.99;
+/// Part of the extreme value from which rows may be at a limit, and are left out of the fit.
+const NEAR: f64 = 0.85;
+/// Largest part of a joint's rows that is left out of the fit.
+const MOST_NEAR: f64 = 0.5;
+/// Least extreme value on one side, part of that on the other: a limit is the same on both.
+const LEAST_SIDE: f64 = 0.3;
+/// Distance from the extreme value within which rows are at a limit, and beyond which the fit must ask for more, part of it. Four usual
+/// errors of the fit must be smaller.
+const CLEAR: f64 = 0.05;
+const USUAL_ERRORS: f64 = 4.0;
+/// Error of the fit to all rows over the usual error of the fit to the other rows: less is a fit that does not reach as far as the extreme.
+const GAIN: f64 = 2.0;
+/// Part of the rows for which the fit asks for more that must be at the limit.
+const AT_LIMIT: f64 = 0.8;
+/// Rows at a limit, percent, and fewest of them.
+const LIMIT_PERCENT: f64 = 1.0;
+const FEWEST_ROWS: usize = 5;
+/// Time that is left out on either side, s, and most times.
+const MARGIN_S: f64 = 0.1;
+const MOST_TIMES: usize = 40;
+/// Times that a remedy lists.
+const LISTED: usize = 4;
+
+/// Checks for clipped torques; returns whether there are any.
+pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>) -> bool {
+    let limited = limited(recording).unwrap_or_default();
+    let at_start = exam.subject.signal.window.start as f64 / exam.subject.sample_rate_hz;
+    let raised = limited.into_iter().map(|limited| {
+        let rows = recording.rows() as f64;
+        let evidence = Evidence {
+            code: Code::TorqueSaturated,
+            coordinate: Some(limited.joint),
+            value: 100.0 * limited.count as f64 / rows,
+            unit: "% of the window",
+            limit: LIMIT_PERCENT,
+        };
+        let number = exam.subject.joint_number(limited.joint);
+        let times = limited.times(recording, at_start);
+        exam.replace(evidence, Severity::Problem, || limited.finding_text(number, times))
+    });
+    raised.fold(false, |any, raised| any | raised)
+}
+
+/// A torque that is clipped.
+struct Limited {
+    joint: usize,
+    /// Magnitude of the torque there, and the largest that the fit to the other times asks for.
+    value: f64,
+    asked: f64,
+    /// Usual error of that fit.
+    usual_error: f64,
+    /// Rows at the limit for which the fit asks for clearly more.
+    count: usize,
+    /// Whether each row is at the limit or next to one that is.
+    is_limited: Vec<bool>,
+}
+
+impl Limited {
+    /// The same with a limit on the other side.
+    fn extend(&mut self, other: &Self) {
+        self.value = self.value.max(other.value);
+        self.asked = self.asked.max(other.asked);
+        self.count += other.count;
+        self.is_limited.iter_mut().zip(&other.is_limited).for_each(|(own, other)| *own |= other);
+    }
+
+    /// The times at the limit, s from the start of the recording.
+    fn times(&self, recording: &ThinnedRecording<'_>, at_start: f64) -> Vec<[f64; 2]> {
+        let hundredths = |row: usize| (100.0 * (at_start + recording.time_of_row(row)).max(0.0)).round() / 100.0;
+        let stretches = stretches_where(0..self.is_limited.len(), |i| self.is_limited[i]);
+        stretches.into_iter().map(|rows| [hundredths(rows.start), hundredths(rows.end - 1)]).collect()
+    }
+
+    fn finding_text(&self, number: impl std::fmt::Display, times: Vec<[f64; 2]>) -> FindingText {
+        let message = format!(
+            "joint {number}: the recorded torque stays near {} where the motion asks for up to {}, by the other times: it is clipped",
+            significant(self.value, 3),
+            significant(self.asked, 3)
+        );
+        if times.len() > MOST_TIMES {
+            return FindingText::new(message, "move more slowly, or widen the range of the drive or recorder");
+        }
+        let listed = match times.as_slice() {
+            [[from, _], .., [_, to]] if times.len() > LISTED => {
+                format!(
+                    "leave out the {} times between {from} and {to} s in which it is (left_out_s in [recording])",
+                    times.len()
+                )
+            }
+            times => format!("leave these times out: left_out_s = {times:?} in [recording], in s from its start"),
+        };
+        let remedy = format!("move more slowly, widen the range of the drive or recorder, or {listed}");
+        FindingText::new(message, remedy).with_step(RemedyStep::LeaveOutTimes { times })
+    }
+}
+
+/// An extreme of a joint's torque, on the positive or the negative side.
+struct Side {
+    joint: usize,
+    sign: f64,
+    extreme: f64,
+}
+
+fn limited(recording: &ThinnedRecording<'_>) -> Option<Vec<Limited>> {
+    let regression = recording.regression().ok()?;
+    let rows = recording.rows();
+    let torque = |j: usize| recording.rows_of(&regression.y, j);
+    let sides: Vec<Side> = (0..recording.coordinates()).flat_map(|j| sides(j, torque(j))).collect();
+    let mut is_near = vec![false; regression.y.len()];
+    for side in &sides {
+        (0..rows).filter(|&i| side.is_near(torque(side.joint)[i])).for_each(|i| is_near[side.joint * rows + i] = true);
+    }
+    let fit = OrthogonalFit::without(&regression, &is_near);
+    if fit.rank < regression.x.columns() {
+        return None;
+    }
+    let (all, asked) = (recording.fit().ok()?, regression.x.times(&fit.theta()));
+    let margin = (MARGIN_S * recording.rows_per_second()).ceil() as usize;
+    let mut found: Vec<Limited> = Vec::new();
+    for side in &sides {
+        let own = side.joint * rows..(side.joint + 1) * rows;
+        let limited = side.limited(torque(side.joint), &asked[own.clone()], &is_near[own], margin);
+        let is_explained = |limited: &Limited| rms(&all.errors(limited.joint)) < GAIN * limited.usual_error;
+        let Some(limited) = limited.filter(|limited| !is_explained(limited)) else { continue };
+        match found.last_mut().filter(|last| last.joint == limited.joint) {
+            Some(other_side) => other_side.extend(&limited),
+            None => found.push(limited),
+        }
+    }
+    Some(found)
+}
+
+/// The sides of a joint's torque on which it may be limited.
+fn sides(joint: usize, torque: &[f64]) -> Vec<Side> {
+    let extremes = [1.0, -1.0].map(|sign| {
+        let along: Vec<f64> = torque.iter().map(|v| sign * v).collect();
+        Side { joint, sign, extreme: quantile(&along, EXTREME) }
+    });
+    let largest = extremes.iter().map(|side| side.extreme).fold(0.0, f64::max);
+    let is_side = |side: &Side| {
+        let near = torque.iter().filter(|v| side.is_near(**v)).count() as f64;
+        side.extreme > LEAST_SIDE * largest && near < MOST_NEAR * torque.len() as f64
+    };
+    extremes.into_iter().filter(is_side).collect()
+}
+
+impl Side {
+    fn is_near(&self, torque: f64) -> bool {
+        self.sign * torque > NEAR * self.extreme
+    }
+
+    /// The limit on this side, if the rows for which the fit asks for more are at it.
+    fn limited(&self, torque: &[f64], asked: &[f64], is_near: &[bool], margin: usize) -> Option<Limited> {
+        let others = (0..torque.len()).filter(|&i| !is_near[i]).map(|i| torque[i] - asked[i]);
+        let usual_error = NORMAL_PER_MEDIAN * quantile_abs(others, 0.5);
+        if USUAL_ERRORS * usual_error > CLEAR * self.extreme {
+            return None;
+        }
+        let asked = |i: usize| self.sign * asked[i] / self.extreme;
+        let is_at_limit = |i: usize| (self.sign * torque[i] / self.extreme - 1.0).abs() < CLEAR;
+        let more: Vec<usize> = (0..torque.len()).filter(|&i| asked(i) > 1.0 + CLEAR).collect();
+        let count = more.iter().filter(|i| is_at_limit(**i)).count();
+        if count < FEWEST_ROWS || (count as f64) < AT_LIMIT * more.len() as f64 {
+            return None;
+        }
+        let most = more.iter().map(|&i| asked(i)).fold(0.0, f64::max);
+        let is_limited = |i: usize| asked(i) > 1.0 - CLEAR && is_at_limit(i);
+        let around = |i: usize| i.saturating_sub(margin)..(i + margin + 1).min(torque.len());
+        let is_limited = (0..torque.len()).map(|i| around(i).any(is_limited)).collect();
+        let (value, asked) = (self.extreme, most * self.extreme);
+        Some(Limited { joint: self.joint, value, asked, usual_error, count, is_limited })
+    }
+}
