@@ -28,7 +28,7 @@ const LEAST_SIDE: f64 = 0.3;
 /// errors of the fit must be smaller.
 const CLEAR: f64 = 0.05;
 const USUAL_ERRORS: f64 = 4.0;
-/// Error of the fit to all rows over the usual error of the fit to the other rows: less is a fit that does not reach as far as the extreme.
+/// Error of the fit to all rows over the usual error of the fit to the other rows: with less, that fit is wrong at the extreme.
 const GAIN: f64 = 2.0;
 /// Part of the rows for which the fit asks for more that must be at the limit.
 const AT_LIMIT: f64 = 0.8;
