@@ -116,7 +116,7 @@ impl Experiment {
     fn validate_delay(&self, source: &ChannelSource) -> Result<(), ExperimentError> {
         let is_short = |delay: &&f64| delay.abs() <= LONGEST_DELAY_S;
         match source.delay_s.given().iter().find(|delay| !is_short(delay)) {
-            Some(delay) => Err(self.refuse_value("[recording] delay_s", "from -60 to 60 s", &delay.to_string())),
+            Some(delay) => Err(self.refuse_value("[recording] delay_s", "from -60 to 60 s", delay)),
             None => Ok(()),
         }
     }
