@@ -16,6 +16,7 @@ use crate::{
 use thetahat_ground::{
     linear_algebra::{Matrix, PivotedQr},
     series::Series,
+    stretches::stretches_where,
 };
 use thetahat_model::{
     base_parameters::BaseParameters,
@@ -164,9 +165,12 @@ impl<'a> ThinnedRecording<'a> {
         self.rate_hz / (self.steps_per_row() * self.every) as f64
     }
 
-    /// Time of a row of each coordinate, s from the start of the window.
-    pub(in crate::checks) fn time_of_row(&self, row: usize) -> f64 {
-        self.kept[row] as f64 / self.rate_hz
+    /// The times of stretches of rows for which a condition holds, s from the start of the recording, to a hundredth.
+    pub(in crate::checks) fn times_where(&self, condition: impl Fn(usize) -> bool) -> Vec<[f64; 2]> {
+        let at_start = self.subject.signal.window.start as f64 / self.subject.sample_rate_hz;
+        let time = |row: usize| (100.0 * (at_start + self.kept[row] as f64 / self.rate_hz)).round() / 100.0;
+        let stretches = stretches_where(0..self.rows(), condition);
+        stretches.into_iter().map(|rows| [time(rows.start), time(rows.end - 1)]).collect()
     }
 
     pub(in crate::checks) fn coordinates(&self) -> usize {

@@ -4,8 +4,6 @@
 //! times finds more of them, until no more are found. Friction near a reversal errs for less time, and a load that the robot takes for
 //! longer.
 
-use std::ops::Range;
-
 use thetahat_ground::stretches::stretches_where;
 
 use crate::checks::{
@@ -50,14 +48,7 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &ThinnedRe
         unit: "times smaller mean squared residual",
         limit: GAIN,
     };
-    let at_start = exam.subject.signal.window.start as f64 / exam.subject.sample_rate_hz;
-    exam.judge(evidence, Severity::Problem, || {
-        finding_text(gain, times.iter().map(|time| time.map(|t| hundredths(at_start + t))).collect())
-    })
-}
-
-fn hundredths(seconds: f64) -> f64 {
-    (100.0 * seconds.max(0.0)).round() / 100.0
+    exam.judge(evidence, Severity::Problem, || finding_text(gain, times))
 }
 
 fn finding_text(gain: f64, times: Vec<[f64; 2]>) -> FindingText {
@@ -78,8 +69,9 @@ fn finding_text(gain: f64, times: Vec<[f64; 2]>) -> FindingText {
     FindingText::new(message, remedy).with_step(RemedyStep::LeaveOutTimes { times })
 }
 
-/// Times of external forces, s from the start of the window.
+/// Times of external forces.
 struct Forces {
+    /// From start to end, s from the start of the recording.
     times: Vec<[f64; 2]>,
     /// Factor by which the mean squared residual is smaller without them.
     gain: f64,
@@ -109,8 +101,7 @@ fn forces(recording: &ThinnedRecording<'_>) -> Option<Forces> {
     }
     let kept = left_out.iter().filter(|is_out| !**is_out).count();
     let gain = (all.squares / rows as f64) / (squares / kept as f64);
-    let times: Vec<[f64; 2]> =
-        stretches_where(0..rows, |i| left_out[i]).into_iter().map(|rows| time_of(recording, &rows)).collect();
+    let times = recording.times_where(|i| left_out[i]);
     (times.len() <= MOST_TIMES).then_some(Forces { times, gain })
 }
 
@@ -141,8 +132,4 @@ fn disturbed(recording: &ThinnedRecording<'_>, errors: &[f64], left_out: &[bool]
         disturbed[stretch.start.saturating_sub(margin)..(stretch.end + margin).min(rows)].fill(true);
     }
     disturbed
-}
-
-fn time_of(recording: &ThinnedRecording<'_>, rows: &Range<usize>) -> [f64; 2] {
-    [rows.start, rows.end - 1].map(|row| recording.time_of_row(row))
 }

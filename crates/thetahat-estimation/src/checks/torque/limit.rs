@@ -3,7 +3,7 @@
 //! A clipped torque stays near its extreme value while the motion, by the fit to the other times, asks for more. Torques of constant
 //! acceleration, and those of a drive whose limit the motion follows, stay there as well, and are what that fit predicts.
 
-use thetahat_ground::{number::significant, stretches::stretches_where};
+use thetahat_ground::number::significant;
 
 use crate::{
     checks::{
@@ -44,7 +44,6 @@ const LISTED: usize = 4;
 /// Checks for clipped torques; returns whether there are any.
 pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>) -> bool {
     let limited = limited(recording).unwrap_or_default();
-    let at_start = exam.subject.signal.window.start as f64 / exam.subject.sample_rate_hz;
     let raised = limited.into_iter().map(|limited| {
         let rows = recording.rows() as f64;
         let evidence = Evidence {
@@ -55,7 +54,7 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &ThinnedRe
             limit: LIMIT_PERCENT,
         };
         let number = exam.subject.joint_number(limited.joint);
-        let times = limited.times(recording, at_start);
+        let times = recording.times_where(|i| limited.is_limited[i]);
         exam.replace(evidence, Severity::Problem, || limited.finding_text(number, times))
     });
     raised.fold(false, |any, raised| any | raised)
@@ -84,13 +83,6 @@ impl Limited {
         self.is_limited.iter_mut().zip(&other.is_limited).for_each(|(own, other)| *own |= other);
     }
 
-    /// The times at the limit, s from the start of the recording.
-    fn times(&self, recording: &ThinnedRecording<'_>, at_start: f64) -> Vec<[f64; 2]> {
-        let hundredths = |row: usize| (100.0 * (at_start + recording.time_of_row(row)).max(0.0)).round() / 100.0;
-        let stretches = stretches_where(0..self.is_limited.len(), |i| self.is_limited[i]);
-        stretches.into_iter().map(|rows| [hundredths(rows.start), hundredths(rows.end - 1)]).collect()
-    }
-
     fn finding_text(&self, number: impl std::fmt::Display, times: Vec<[f64; 2]>) -> FindingText {
         let message = format!(
             "joint {number}: the recorded torque stays near {} where the motion asks for up to {}, by the other times: it is clipped",
@@ -103,7 +95,7 @@ impl Limited {
         let listed = match times.as_slice() {
             [[from, _], .., [_, to]] if times.len() > LISTED => {
                 format!(
-                    "leave out the {} times between {from} and {to} s in which it is (left_out_s in [recording])",
+                    "leave out the {} times of it between {from} and {to} s by left_out_s in [recording]",
                     times.len()
                 )
             }
