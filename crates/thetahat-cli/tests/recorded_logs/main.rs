@@ -4,7 +4,7 @@ mod field;
 
 use libtest_mimic::{Arguments, Failed};
 use thetahat::{Results, identification::Status};
-use thetahat_testing::{Folder, data, ensure, project, run, succeeded, trials_on_shared_data};
+use thetahat_testing::{Folder, data, each_night, ensure, project, run, succeeded, trials_on_shared_data};
 
 pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_thetahat");
 
@@ -51,7 +51,8 @@ fn tx40() -> Result<(), Failed> {
 
 fn main() {
     let files = ["datasets/kuka_lwr4", "datasets/ur10", "datasets/tx40"];
-    let mut trials = trials_on_shared_data(&files, vec![("lwr4", lwr4), ("ur10", ur10), ("tx40", tx40)]);
+    let mut trials = trials_on_shared_data(&files, vec![("tx40", tx40)]);
+    trials.extend(each_night(trials_on_shared_data(&files, vec![("lwr4", lwr4), ("ur10", ur10)])));
     trials.extend(field::trials());
     libtest_mimic::run(&Arguments::from_args(), trials).exit()
 }

@@ -50,6 +50,7 @@ fn check(twin: &Twin, measured_every: u64, through: &[Method]) {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn intervals_of_the_tx40_hold_the_truth() {
     check(&Twin::tx40().unwrap(), 6, &[Method::IDIM_LS, Method::IDIM_IV]);
 }

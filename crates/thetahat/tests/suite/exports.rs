@@ -384,6 +384,7 @@ fn results_say_how_estimates_vary_together() {
 
 /// The sampled base parameters have the mean and the covariance of the estimates where the set does not bind.
 #[test]
+#[ignore = "long, each night"]
 fn samples_have_the_covariance_of_the_estimates() {
     const COUNT: u32 = 2000;
     let results = two_joint();

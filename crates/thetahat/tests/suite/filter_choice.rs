@@ -9,6 +9,7 @@ use case::Case;
 use twins::robots::robots;
 
 #[test]
+#[ignore = "long, each night"]
 fn the_chosen_filter_is_near_the_best() {
     let run = |(number, robot)| {
         let outcome = Case::draw(number).run(robots(robot, None).unwrap().remove(0), false).unwrap();

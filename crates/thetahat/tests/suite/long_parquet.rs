@@ -95,6 +95,7 @@ fn without_file_names(reduction: Reduction) -> Vec<ReducedRecording> {
 
 /// Bit by bit, whatever the groups and pieces.
 #[test]
+#[ignore = "long, each night"]
 fn a_reduction_from_parquet_is_that_from_text() {
     let folder = Folder::new();
     let samples = Experiment::demo().unwrap().record_twin().unwrap().position.len();

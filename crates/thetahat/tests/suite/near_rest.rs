@@ -67,6 +67,7 @@ fn estimates_lose_the_bias_that_the_sign_of_small_velocities_makes() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn limits_can_be_stated_and_are_checked() {
     let mut experiment = read("mask = { velocity = 0.05, widened_s = 0.01 }").unwrap();
     experiment.settings.estimation.methods = vec![Method::IDIM_LS];

@@ -236,6 +236,7 @@ fn a_payload_of_seven_axes() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn a_payload_of_the_ur10() {
     payload_is_found("robots/ur10.toml");
 }
@@ -315,6 +316,7 @@ fn what_cannot_be_is_refused() {
 
 /// A parameter at a value is not estimated, and what it was regrouped into gives up its part: the torques stay.
 #[test]
+#[ignore = "long, each night"]
 fn a_parameter_at_a_value_moves_to_the_left_side() {
     let twin = Twin::new("robots/seven_axes.urdf");
     let recordings = || vec![twin.recordings(5, &[1.0; 7]).remove(0)];

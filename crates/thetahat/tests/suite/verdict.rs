@@ -17,7 +17,7 @@ use thetahat_report::results::{Comparison, TwinRecording};
 
 const SEEDS: u64 = 60;
 /// In the suite.
-const SEEDS_BY_DAY: u64 = 5;
+const SEEDS_BY_DAY: u64 = 2;
 
 fn experiment(file: &str) -> (PathBuf, Experiment) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../experiments");

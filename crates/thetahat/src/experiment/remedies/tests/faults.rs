@@ -72,6 +72,7 @@ fn exchange_torques(log: &mut Log) {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn exchanged_torques_are_exchanged_back() {
     let (before, _) = mended(exchange_torques, &["joints-swapped-2-3"], SAME);
     assert_eq!(remedy(&before, "joints-swapped-2-3").label, "Exchange the torques of joints 2 and 3");
@@ -92,6 +93,7 @@ fn joints_in_a_circle_are_put_in_order() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn a_joint_that_turns_the_other_way_is_reversed() {
     let fault = |log: &mut Log| {
         scale(&mut log.position, 3, -1.0);
@@ -117,6 +119,7 @@ fn friction_that_a_driver_compensates_too_much_is_no_wrong_sign() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn weight_that_a_driver_compensates_by_a_model_of_its_own_is_named() {
     let twin = Twin::with_friction(&|_, _, gravity| -0.85 * gravity);
     named_without_remedy(&twin, Code::GravityDirection, "better with 15 % of gravity");
@@ -141,6 +144,7 @@ fn one_torque_with_the_opposite_sign_is_reversed() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn one_position_with_the_opposite_sign_is_reversed() {
     mended(|log| scale(&mut log.position, 2, -1.0), &["position-sign-3"], SAME);
 }
@@ -171,6 +175,7 @@ fn degrees_get_their_unit() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn torques_a_thousand_times_too_large_get_their_unit() {
     let fault = |log: &mut Log| log.torque.values_mut().iter_mut().for_each(|t| *t *= 1e3);
     let (before, after) = mended(fault, &["a-priori-scale"], SAME);
@@ -304,6 +309,7 @@ fn a_spring_that_nobody_described_gets_its_term() {
 
 /// Fifteen milliseconds of seven joints' one.
 #[test]
+#[ignore = "long, each night"]
 fn a_torque_of_one_joint_that_is_late_gets_its_delay() {
     let fault = |log: &mut Log| {
         let delays: Vec<f64> = (0..log.torque.channels()).map(|j| if j == 3 { 3.0 } else { 0.0 }).collect();
@@ -353,6 +359,7 @@ fn samples_stamped_on_arrival_are_taken_as_equally_spaced() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn rests_are_left_out() {
     let twin = Twin::new().with(|log| {
         let n = log.position.channels();

@@ -2,8 +2,10 @@
 
 use super::{
     signal_rows::SignalRows,
-    torques::{STEP, Torques},
+    torques::{SPEEDS, STEP, Torques},
 };
+use crate::preparation::FilteredRecording;
+use thetahat_estimation::signal::Motion;
 use thetahat_ground::series::Series;
 use thetahat_ground::vector::{IDENTITY, axis_angle, norm, times};
 use thetahat_model::{dynamics::Model, robot::Robot};
@@ -32,7 +34,48 @@ impl Torques<'_> {
             aging: self.column(self.aging()),
             position: self.each(|r, k, j| r.motion.q.sample(k)[j]),
             speed: self.each(|r, k, j| r.motion.dq.sample(k)[j].abs()),
+            constant: self.each(|_, _, _| 1.0),
+            time: self.each(|r, k, _| part_passed(r, k)),
+            viscous_drift: self.each(|r, k, j| part_passed(r, k) * r.motion.dq.sample(k)[j]),
+            coulomb_drift: self.each(|r, k, j| part_passed(r, k) * self.sign.of(r.motion.dq.sample(k)[j])),
+            load_friction: self.load_friction(),
+            fading: self.fading(),
         }
+    }
+
+    /// Coulomb friction in proportion to the torque of gravity.
+    fn load_friction(&self) -> Option<Vec<f64>> {
+        let bodies = self.only(|quantity| quantity.is_inertial());
+        let torques = self.recordings().map(|recording| {
+            let still = || Series::zeros(recording.motion.q.len(), self.joints());
+            let motion = Motion { q: recording.motion.q.clone(), dq: still(), ddq: still() };
+            let mut torque = self.of(&self.problem.model, &bodies, &motion, recording)?;
+            let pairs = torque.values_mut().iter_mut().zip(recording.motion.dq.values());
+            pairs.for_each(|(gravity, dq)| *gravity = gravity.abs() * self.sign.of(*dq));
+            Some(torque)
+        });
+        self.column(torques.collect::<Option<_>>()?)
+    }
+
+    fn fading(&self) -> [Option<Vec<f64>>; 2] {
+        let peaks = self.peak_velocities();
+        SPEEDS.map(|part| {
+            self.each(|r, k, j| {
+                let dq = r.motion.dq.sample(k)[j];
+                self.sign.of(dq) * (-(dq / (part * peaks[j]).max(f64::MIN_POSITIVE)).powi(2)).exp()
+            })
+        })
+    }
+
+    /// Of each joint, over all recordings.
+    pub(super) fn peak_velocities(&self) -> Vec<f64> {
+        let mut peaks = vec![0.0_f64; self.joints()];
+        for dq in self.recordings().map(|r| &r.motion.dq) {
+            for k in 0..dq.len() {
+                peaks.iter_mut().zip(dq.sample(k)).for_each(|(peak, dq)| *peak = peak.max(dq.abs()));
+            }
+        }
+        peaks
     }
 
     /// Each predicted torque times its square, which is one at the joint's largest torque.
@@ -78,4 +121,9 @@ impl Torques<'_> {
         }
         Some(moved)
     }
+}
+
+/// The part of a recording that has passed at a sample.
+fn part_passed(recording: &FilteredRecording, sample: usize) -> f64 {
+    sample as f64 / recording.motion.dq.len() as f64
 }

@@ -17,4 +17,16 @@ pub(super) struct SignalRows {
     pub(super) position: Option<Vec<f64>>,
     /// Viscous friction that is larger in one direction.
     pub(super) speed: Option<Vec<f64>>,
+    /// One for each sample, as offsets are.
+    pub(super) constant: Option<Vec<f64>>,
+    /// The part of the recording that has passed, as offsets that grow.
+    pub(super) time: Option<Vec<f64>>,
+    /// Viscous friction that grows with time; each recording from its own beginning.
+    pub(super) viscous_drift: Option<Vec<f64>>,
+    /// The same of Coulomb friction.
+    pub(super) coulomb_drift: Option<Vec<f64>>,
+    /// Coulomb friction in proportion to the torque of gravity.
+    pub(super) load_friction: Option<Vec<f64>>,
+    /// Coulomb friction that fades at each of [`SPEEDS`](super::torques::SPEEDS).
+    pub(super) fading: [Option<Vec<f64>>; 2],
 }

@@ -23,7 +23,7 @@ const INSTANTS: usize = 15;
 /// Step of the differences: of a ratio, rad or m.
 pub(super) const STEP: f64 = 1e-3;
 /// Velocities of the laws of friction over speed, over the peak velocity of the joint.
-const SPEEDS: [f64; 2] = [0.05, 0.2];
+pub(super) const SPEEDS: [f64; 2] = [0.05, 0.2];
 /// The filter's cut-off over that of the torques whose slope a delay is measured by, and its order.
 const SMOOTHER: f64 = 5.0;
 const SMOOTHING_ORDER: usize = 4;
@@ -61,13 +61,15 @@ enum Tried {
 
 pub(super) struct Torques<'a> {
     pub(super) identification: &'a Identification,
-    problem: &'a Problem,
+    pub(super) problem: &'a Problem,
     pub(super) tested: &'a TestedRows<'a>,
     pub(super) standard: &'a [f64],
-    sign: Sign,
+    pub(super) sign: Sign,
     pub(super) robot: &'a Robot,
     /// Of each recording, with the model as it is.
     pub(super) predicted: Vec<Series>,
+    /// Of each recording, the torques of the bodies alone, and their first and second derivatives.
+    of_bodies: Vec<[Series; 3]>,
     /// Signals of all joints in the tested rows, of which those of one joint are a cause's column.
     signals: SignalRows,
 }
@@ -81,10 +83,12 @@ impl<'a> Torques<'a> {
         sign: Sign,
     ) -> Option<Self> {
         let robot = identification.setup().robot;
-        let (predicted, signals) = (Vec::new(), SignalRows::default());
-        let mut torques = Self { identification, problem, tested, standard, sign, robot, predicted, signals };
+        let (predicted, of_bodies, signals) = (Vec::new(), Vec::new(), SignalRows::default());
+        let mut torques =
+            Self { identification, problem, tested, standard, sign, robot, predicted, of_bodies, signals };
         let predicted = |r: &FilteredRecording| torques.of(&torques.problem.model, standard, &r.motion, r);
         torques.predicted = torques.recordings().map(predicted).collect::<Option<Vec<_>>>()?;
+        torques.of_bodies = torques.torques_of_bodies()?;
         torques.signals = torques.signals();
         Some(torques)
     }
@@ -265,10 +269,10 @@ impl<'a> Torques<'a> {
             Tried::LateTorque(Some(j)) => vec![self.of_joint(&self.signals.late, j)],
             Tried::GainDrift(None) => vec![self.signals.aging.clone()],
             Tried::GainDrift(Some(j)) => vec![self.of_joint(&self.signals.aging, j)],
-            Tried::LoadFriction => self.load_friction(),
+            Tried::LoadFriction => self.of_each_joint(&self.signals.load_friction),
             Tried::SpeedFriction => self.speed_friction(),
             Tried::FrictionDrift => self.friction_drift(),
-            Tried::OffsetDrift => self.offset_drift(),
+            Tried::OffsetDrift => self.of_each_joint(&self.signals.time),
             Tried::Zero(j) => vec![self.moved_zero(j)],
             Tried::Gear(j) => vec![self.gear(j)],
             Tried::DriveGain(j) => vec![self.of_joint(&self.signals.torque, j)],
@@ -346,28 +350,35 @@ impl<'a> Torques<'a> {
         self.difference(STEP, |r| self.of(&model, self.standard, &r.motion, r))
     }
 
+    fn torques_of_bodies(&self) -> Option<Vec<[Series; 3]>> {
+        let bodies = self.only(|quantity| quantity.is_inertial());
+        let of_bodies = |recording: &FilteredRecording| {
+            let torque = self.of(&self.problem.model, &bodies, &recording.motion, recording)?;
+            let first = Derivative::Central.of(&torque, recording.recording.sample_rate_hz);
+            let second = Derivative::Central.of(&first, recording.recording.sample_rate_hz);
+            Some([torque, first, second])
+        };
+        self.recordings().map(of_bodies).collect()
+    }
+
     /// The link of an elastic joint is at `q - tau / k`, where the encoder is at the motor.
     fn elastic(&self, j: usize) -> Option<Vec<f64>> {
         let bodies = self.only(|quantity| quantity.is_inertial());
         let mut torques = Vec::new();
-        for recording in self.recordings() {
-            let rate = recording.recording.sample_rate_hz;
-            let at_link = self.of(&self.problem.model, &bodies, &recording.motion, recording)?;
-            let first = Derivative::Central.of(&at_link, rate);
-            let second = Derivative::Central.of(&first, rate);
-            let mut motion = recording.motion.clone();
-            for (series, change) in [(&mut motion.q, &at_link), (&mut motion.dq, &first), (&mut motion.ddq, &second)] {
+        for (recording, of_bodies) in self.recordings().zip(&self.of_bodies) {
+            let Motion { mut q, mut dq, mut ddq } = recording.motion.clone();
+            for (series, change) in [&mut q, &mut dq, &mut ddq].into_iter().zip(of_bodies) {
                 (0..series.len()).for_each(|k| series.sample_mut(k)[j] -= COMPLIANCE * change.sample(k)[j]);
             }
-            let mut torque = self.of(&self.problem.model, &bodies, &motion, recording)?;
-            let pairs = torque.values_mut().iter_mut().zip(at_link.values());
+            let mut torque = self.of(&self.problem.model, &bodies, &Motion { q, dq, ddq }, recording)?;
+            let pairs = torque.values_mut().iter_mut().zip(of_bodies[0].values());
             pairs.for_each(|(t, p)| *t = (*t - p) / COMPLIANCE);
             torques.push(torque);
         }
         self.column(torques)
     }
 
-    fn only(&self, keep: impl Fn(Quantity) -> bool) -> Vec<f64> {
+    pub(super) fn only(&self, keep: impl Fn(Quantity) -> bool) -> Vec<f64> {
         let table = self.problem.model.parameter_table();
         table.iter().zip(self.standard).map(|(p, v)| if keep(p.quantity) { *v } else { 0.0 }).collect()
     }
@@ -397,48 +408,25 @@ impl<'a> Torques<'a> {
         vec![crossed(|m| &m.ddq), crossed(|m| &m.dq), friction]
     }
 
-    /// Coulomb friction in proportion to the torque of gravity.
-    fn load_friction(&self) -> Vec<Option<Vec<f64>>> {
-        let bodies = self.only(|quantity| quantity.is_inertial());
-        let gravity: Option<Vec<Series>> = self
-            .recordings()
-            .map(|recording| {
-                let still = || Series::zeros(recording.motion.q.len(), self.joints());
-                let motion = Motion { q: recording.motion.q.clone(), dq: still(), ddq: still() };
-                self.of(&self.problem.model, &bodies, &motion, recording)
-            })
-            .collect();
-        let Some(gravity) = gravity else { return Vec::new() };
-        let column = |joint: usize| {
-            let torques = self.recordings().zip(&gravity).map(|(recording, gravity)| {
-                let mut torque = Series::zeros(gravity.len(), self.joints());
-                for k in 0..torque.len() {
-                    let sign = self.sign.of(recording.motion.dq.sample(k)[joint]);
-                    torque.sample_mut(k)[joint] = gravity.sample(k)[joint].abs() * sign;
-                }
-                torque
-            });
-            self.column(torques.collect())
-        };
-        (0..self.joints()).map(column).collect()
+    fn of_each_joint(&self, rows: &Option<Vec<f64>>) -> Vec<Option<Vec<f64>>> {
+        (0..self.joints()).map(|joint| self.of_joint(rows, joint)).collect()
     }
 
     /// Friction that falls with the speed: Coulomb friction that fades at two velocities.
     fn speed_friction(&self) -> Vec<Option<Vec<f64>>> {
-        let mut columns = Vec::new();
-        for joint in 0..self.joints() {
-            let speeds =
-                |r: &'a FilteredRecording| (0..r.motion.dq.len()).map(move |k| r.motion.dq.sample(k)[joint].abs());
-            let peak = self.recordings().flat_map(speeds).fold(0.0, f64::max);
-            for velocity in SPEEDS.map(|part| part * peak).into_iter().filter(|v| self.resolves(joint, *v)) {
-                columns.push(self.each(|r, k, j| {
-                    let dq = r.motion.dq.sample(k)[joint];
-                    let fades = (-(dq / velocity.max(f64::MIN_POSITIVE)).powi(2)).exp();
-                    if j == joint { self.sign.of(dq) * fades } else { 0.0 }
-                }));
-            }
-        }
-        columns
+        let peaks = self.peak_velocities();
+        let fading = |joint: usize| {
+            let resolved =
+                SPEEDS.iter().zip(&self.signals.fading).filter(|(part, _)| self.resolves(joint, *part * peaks[joint]));
+            resolved.map(|(_, rows)| self.of_joint(rows, joint)).collect::<Vec<_>>()
+        };
+        (0..self.joints()).flat_map(fading).collect()
+    }
+
+    /// Friction that changes with time, as while a gear warms up; each recording from its own beginning.
+    fn friction_drift(&self) -> Vec<Option<Vec<f64>>> {
+        let kinds = [&self.signals.viscous_drift, &self.signals.coulomb_drift];
+        (0..self.joints()).flat_map(|joint| kinds.map(|rows| self.of_joint(rows, joint))).collect()
     }
 
     /// Whether the filter passes what happens below a velocity: a joint that reverses within less than a period of the cut-off
@@ -451,29 +439,6 @@ impl<'a> Torques<'a> {
         let accelerations: Vec<f64> = self.recordings().flat_map(slow).collect();
         let cutoff_hz = self.identification.setup().settings.signal.cutoff_hz;
         !accelerations.is_empty() && 2.0 * velocity * cutoff_hz >= median(&accelerations)
-    }
-
-    /// Friction that changes with time, as while a gear warms up; each recording from its own beginning.
-    fn friction_drift(&self) -> Vec<Option<Vec<f64>>> {
-        let mut columns = Vec::new();
-        for joint in 0..self.joints() {
-            for viscous in [true, false] {
-                columns.push(self.each(|r, k, j| {
-                    let dq = r.motion.dq.sample(k)[joint];
-                    let of_time = k as f64 / r.motion.dq.len() as f64;
-                    let friction = if viscous { dq } else { self.sign.of(dq) };
-                    if j == joint { of_time * friction } else { 0.0 }
-                }));
-            }
-        }
-        columns
-    }
-
-    /// Offsets that grow with time; each recording from its own beginning.
-    fn offset_drift(&self) -> Vec<Option<Vec<f64>>> {
-        let of_joint =
-            |joint: usize| self.each(|r, k, j| if j == joint { k as f64 / r.motion.dq.len() as f64 } else { 0.0 });
-        (0..self.joints()).map(of_joint).collect()
     }
 
     /// Another last link, or other offsets, from some instant on, in one recording.
@@ -489,8 +454,8 @@ impl<'a> Torques<'a> {
             self.column(vec![self.of(&self.problem.model, &theta, &recording.motion, recording)?])
         };
         let Some(body) = indices.map(unit).collect::<Option<Vec<_>>>() else { return Vec::new() };
-        let offset = |joint: usize| self.each(|_, _, j| if j == joint { 1.0 } else { 0.0 });
-        let Some(offsets) = (0..self.joints()).map(offset).collect::<Option<Vec<_>>>() else { return Vec::new() };
+        let offsets = self.of_each_joint(&self.signals.constant).into_iter().collect::<Option<Vec<_>>>();
+        let Some(offsets) = offsets else { return Vec::new() };
         let per_joint = self.tested.rows.rows_of_joint();
         let from = |instant: usize, kind: CauseKind, units: &[Vec<f64>]| {
             let start = per_joint * (instant + 2) / (INSTANTS + 3);
