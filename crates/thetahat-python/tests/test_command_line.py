@@ -37,8 +37,8 @@ def same_bytes(experiment, data, folder):
     return result
 
 
-def test_the_demonstration(checkout, tmp_path):
-    result = same_bytes(checkout / "experiments/demo.toml", checkout, tmp_path / "out")
+def test_the_two_joint_arm(checkout, tmp_path):
+    result = same_bytes(checkout / "experiments/two_joint.toml", checkout, tmp_path / "out")
     assert {run.case for run in result} == {"nominal", "gear_ratio_0.9"}
 
 

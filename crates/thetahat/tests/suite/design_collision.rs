@@ -148,6 +148,7 @@ fn cubic(results: &thetahat::results::DesignResults, k: usize, j: usize, t: f64)
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn a_series_of_a_ur10_keeps_apart() {
     keeps_apart("harmonics = 3");
 }

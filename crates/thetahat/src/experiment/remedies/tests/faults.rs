@@ -126,6 +126,7 @@ fn weight_that_a_driver_compensates_by_a_model_of_its_own_is_named() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn torques_with_the_opposite_sign_are_reversed_together() {
     let fault = |log: &mut Log| log.torque.values_mut().iter_mut().for_each(|t| *t = -*t);
     let (before, _) = mended(fault, &["torque-sign"], SAME);
@@ -207,6 +208,7 @@ fn late_torques_get_their_delay() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn torques_of_another_clock_get_their_delay() {
     let late = 80;
     let fault = |log: &mut Log| {
@@ -275,6 +277,7 @@ fn a_wrong_gear_ratio_that_the_model_names_is_corrected() {
 
 /// Half a degree about y.
 #[test]
+#[ignore = "long, each night"]
 fn a_tilted_base_gets_its_gravity() {
     let tilt = 0.5_f64.to_radians();
     let twin = Twin::with_gravity([9.81 * tilt.sin(), 0.0, -9.81 * tilt.cos()]);
@@ -322,6 +325,7 @@ fn a_torque_of_one_joint_that_is_late_gets_its_delay() {
 
 /// The friction that the load adds is a parameter of its own: 0.1 of the torque of gravity.
 #[test]
+#[ignore = "long, each night"]
 fn friction_of_the_load_gets_its_term() {
     let twin = Twin::with_friction(&|_, dq, gravity| 0.1 * gravity.abs() * dq.signum());
     let experiment = twin.experiment(KEYS);
@@ -336,6 +340,7 @@ fn friction_of_the_load_gets_its_term() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn a_filter_that_removes_motion_is_raised() {
     let twin = Twin::new();
     let experiment = twin.experiment(&KEYS.replace("cutoff_hz = 15", "cutoff_hz = 0.6 # low"));
