@@ -2,8 +2,9 @@ use super::{
     super::column_names::{self, Signal},
     set_aside::{self, SetAside},
     source::{SelectedColumn, Source, channels},
+    written::{Written, written},
 };
-use thetahat_data::recording::ColumnSummary;
+use thetahat_data::recording::{ColumnSummary, Dimension};
 use thetahat_model::robot::Robot;
 
 /// A column and the number in its name.
@@ -24,6 +25,9 @@ pub(super) fn by_name<'a>(
     }
     if found.is_empty() && of_file(source) == Some(signal) {
         found = silent(source);
+    }
+    if found.is_empty() {
+        found = in_units_of(source, signal);
     }
     let without_idle = || in_order(source, robot, without_idle(&found));
     in_order(source, robot, found.clone()).or_else(|problem| without_idle().map_err(|_| problem))
@@ -83,6 +87,30 @@ pub(super) fn silent<'a>(source: &Source<'a>) -> Vec<Numbered<'a>> {
     let is_silent = |c: &&ColumnSummary| column_names::is_silent(&c.name) && source.by_driver(&c.name).is_none();
     let silent = source.columns().filter(is_silent).filter(|c| !source.is_time(&c.name));
     silent.map(|c| (c, column_names::number(&c.name))).collect()
+}
+
+/// The columns whose names say nothing but a unit of the signal, as `slew_deg` and `slew_kNm`.
+fn in_units_of<'a>(source: &Source<'a>, signal: Signal) -> Vec<Numbered<'a>> {
+    let is_of = |(column, _): &Numbered<'a>| match written(&column.name, signal) {
+        Some(Written::Unit(unit)) => motion_or_load(unit.dimension()) == Some(signal),
+        Some(Written::Counts(_) | Written::Unknown(_)) | None => false,
+    };
+    silent(source).into_iter().filter(is_of).collect()
+}
+
+/// The signal that alone is measured in a dimension.
+fn motion_or_load(dimension: Dimension) -> Option<Signal> {
+    match dimension {
+        Dimension::Angle | Dimension::Length => Some(Signal::Position),
+        Dimension::AngularVelocity | Dimension::LinearVelocity => Some(Signal::Velocity),
+        Dimension::Torque | Dimension::Force => Some(Signal::Torque),
+        Dimension::AngularAcceleration
+        | Dimension::LinearAcceleration
+        | Dimension::Current
+        | Dimension::Voltage
+        | Dimension::Time
+        | Dimension::Dimensionless => None,
+    }
 }
 
 fn in_order<'a>(

@@ -18,8 +18,8 @@ pub enum ProposalError {
     /// The columns of a signal are not clear.
     #[error(
         "{}: the columns of the {signal} are not clear: {problem}; expected one for each joint, {joints} in all; \
-         the columns are: {}{}",
-        file.display(), columns.join(" "), without_torques(signal, columns)
+         the columns are: {}{}{}",
+        file.display(), columns.join(" "), without_torques(signal, columns), rearranged(columns)
     )]
     UnclearColumns {
         /// The recording.
@@ -225,6 +225,23 @@ pub enum ProposalError {
         /// Its samples.
         other_samples: usize,
     },
+}
+
+/// What to do about a table that has a line for each joint, or columns whose compression is not read.
+fn rearranged(columns: &[String]) -> &'static str {
+    let names_joints = |column: &String| {
+        let name = column.strip_prefix('`').and_then(|rest| rest.split_once("` (text"));
+        name.is_some_and(|(name, _)| matches!(name, "joint" | "joint_name" | "axis" | "name" | "id" | "motor"))
+    };
+    if columns.iter().any(names_joints) {
+        return "; the table has a line for each joint: a line for each time is expected, in pandas \
+                table.pivot(index=\"time\", columns=\"joint\")";
+    }
+    if columns.iter().any(|column| column.contains("(a column compressed by ")) {
+        return "; write the file with a compression that is read, in pandas \
+                pandas.read_parquet(FILE).to_parquet(OTHER, compression=\"zstd\")";
+    }
+    ""
 }
 
 /// What to do about a log that may have no torques.

@@ -139,9 +139,9 @@ fn same_lengths(offers: &[Offer<'_>], group: &Group) -> Result<(), ProposalError
     let different = group.files().map(|f| &offers[f].source).find(|s| s.samples() != first.samples());
     different.map_or(Ok(()), |other| {
         Err(ProposalError::DifferentLengths {
-            file: first.file.to_owned(),
+            file: first.place_name(),
             samples: first.samples(),
-            other: other.file.to_owned(),
+            other: other.place_name(),
             other_samples: other.samples(),
         })
     })

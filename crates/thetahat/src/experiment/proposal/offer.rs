@@ -40,13 +40,17 @@ impl Offer<'_> {
     }
 }
 
-/// The table of a file that is used, and its columns as the driver has them.
+/// A table that is used of a file, and its columns as the driver has them.
 pub(super) struct ChosenTable<'a> {
+    /// The number of the file.
+    file: usize,
     table: Option<&'a TableSummary>,
     columns: DriverColumns,
+    /// Whether it is one topic of those that hold one signal each.
+    is_one_topic: bool,
 }
 
-/// The table that is used of each file. `joints` are the names of the robot's joints.
+/// The table that is used of each file, or the topics of a bag that hold one signal each. `joints` are the names of the robot's joints.
 pub(super) fn tables<'a>(
     request: &ProposalRequest,
     contents: &'a [Contents],
@@ -56,29 +60,69 @@ pub(super) fn tables<'a>(
         let names: Vec<&str> = table.columns.iter().map(|c| c.name.as_str()).collect();
         request.driver.as_ref().map(|driver| DriverColumns::of(driver, &names, joints)).unwrap_or_default()
     };
-    let chosen = |contents: &'a Contents| {
+    let chosen = |(file, contents): (usize, &'a Contents)| {
         let best = contents.tables.iter().rev().max_by_key(|table| of_driver(table).len());
-        let table = best.filter(|best| of_driver(best).len() > 0).or_else(|| chosen_table(request, contents));
-        ChosenTable { table, columns: table.map(of_driver).unwrap_or_default() }
+        let of_one = |table: Option<&'a TableSummary>, is_one_topic| ChosenTable {
+            file,
+            table,
+            columns: table.map(of_driver).unwrap_or_default(),
+            is_one_topic,
+        };
+        match (best.filter(|best| of_driver(best).len() > 0), topics_of_one_signal(request, contents)) {
+            (None, several) if !several.is_empty() => several.into_iter().map(|t| of_one(Some(t), true)).collect(),
+            (best, _) => vec![of_one(best.or_else(|| chosen_table(request, contents)), false)],
+        }
     };
-    contents.iter().map(chosen).collect()
+    contents.iter().enumerate().flat_map(chosen).collect()
 }
 
-/// The files, each with the table of it that is used.
+/// The topics of a bag that are named for the positions and the torques, or whose names say which of them they hold where their columns
+/// say nothing; none where one topic holds both.
+fn topics_of_one_signal<'a>(request: &ProposalRequest, contents: &'a Contents) -> Vec<&'a TableSummary> {
+    let has = |table: &TableSummary, named: &[String], signal: Signal| {
+        let columns = || table.columns.iter().filter(|column| column.not_numeric.is_none());
+        let is_of = |column: &ColumnSummary| column_names::read(&column.name).is_some_and(|r| r.signal == signal);
+        let is_silent = || columns().any(|column| column_names::is_silent(&column.name));
+        match named {
+            [] => columns().any(is_of) || (column_names::read_file_name(&table.name) == Some(signal) && is_silent()),
+            [..] => named.iter().any(|name| is_topic(name, table)),
+        }
+    };
+    let signals = [(&request.position, Signal::Position), (&request.torque, Signal::Torque)];
+    let of = |table: &TableSummary| signals.map(|(named, signal)| has(table, named, signal));
+    let tables = || contents.tables.iter().filter(|_| contents.format.is_bag());
+    let some = |k: usize| tables().any(|table| of(table)[k]);
+    if tables().any(|table| of(table) == [true; 2]) || !some(0) || !some(1) {
+        return Vec::new();
+    }
+    tables().filter(|table| of(table) != [false; 2]).collect()
+}
+
+/// Whether a name is that of a topic, or of columns of it.
+fn is_topic(name: &str, table: &TableSummary) -> bool {
+    name.strip_prefix(&table.name).is_some_and(|rest| rest.is_empty() || rest.starts_with(':'))
+}
+
+/// The files, each with a table of it that is used.
 pub(super) fn sources<'a>(
     request: &'a ProposalRequest,
     contents: &'a [Contents],
     tables: &'a [ChosenTable<'a>],
 ) -> Vec<Source<'a>> {
     let folders = contents.windows(2).any(|pair| pair[0].file.parent() != pair[1].file.parent());
-    let source = |((contents, file), chosen): ((&'a Contents, &'a PathBuf), &'a ChosenTable<'a>)| Source {
-        contents,
-        file: file.as_path(),
-        table: chosen.table,
-        in_several_folders: folders,
-        driver: request.driver.as_ref().map(|driver| (driver, &chosen.columns)),
+    let files: Vec<(&'a Contents, &'a PathBuf)> = contents.iter().zip(&request.recording_files).collect();
+    let source = |chosen: &'a ChosenTable<'a>| {
+        let (contents, file) = files.get(chosen.file)?;
+        Some(Source {
+            contents,
+            file: file.as_path(),
+            table: chosen.table,
+            is_one_topic: chosen.is_one_topic,
+            in_several_folders: folders,
+            driver: request.driver.as_ref().map(|driver| (driver, &chosen.columns)),
+        })
     };
-    contents.iter().zip(&request.recording_files).zip(tables).map(source).collect()
+    tables.iter().filter_map(source).collect()
 }
 
 /// What each of the files offers.

@@ -158,7 +158,9 @@ fn unused_files(sources: &[Source<'_>], recordings: &[ProposedRecording]) -> Vec
 }
 
 fn uses(recordings: &[ProposedRecording], source: &Source<'_>) -> bool {
-    recordings.iter().flat_map(used_channels).any(|channels| channels.file == source.file)
+    recordings.iter().flat_map(used_channels).any(|channels| {
+        channels.file == source.file && (!source.is_one_topic || channels.topic.as_deref() == source.topic())
+    })
 }
 
 /// A number with at most four decimals, without trailing zeros.

@@ -1,4 +1,4 @@
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::{
     super::{
@@ -53,6 +53,8 @@ pub(super) struct Source<'a> {
     pub(super) file: &'a Path,
     pub(super) contents: &'a Contents,
     pub(super) table: Option<&'a TableSummary>,
+    /// Whether the table is one topic of those that hold one signal each.
+    pub(super) is_one_topic: bool,
     /// Whether the files are in several folders, whose names may say what they hold.
     pub(super) in_several_folders: bool,
     /// The driver that wrote it, and its columns.
@@ -145,8 +147,11 @@ impl<'a> Source<'a> {
         self.table.map_or(0, |t| t.samples)
     }
 
-    /// The name of the file without its ending.
+    /// The name of the topic where each holds one signal, else of the file without its ending.
     pub(super) fn stem(&self) -> String {
+        if let (true, Some(table)) = (self.is_one_topic, self.table) {
+            return table.name.clone();
+        }
         self.contents.file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
     }
 
@@ -177,8 +182,19 @@ impl<'a> Source<'a> {
         Some(&table.name)
     }
 
-    /// Whether the user means this file by a name.
+    /// The file, with the topic of those that hold one signal each.
+    pub(super) fn place_name(&self) -> PathBuf {
+        match self.topic().filter(|_| self.is_one_topic) {
+            Some(topic) => PathBuf::from(format!("{}, topic {topic}", self.file.display())),
+            None => self.file.to_owned(),
+        }
+    }
+
+    /// Whether the user means this file, or this topic, by a name.
     pub(super) fn is_called(&self, name: &str) -> bool {
+        if self.is_one_topic {
+            return self.topic() == Some(name);
+        }
         let path = Path::new(name);
         path == self.file || path == self.contents.file || Some(path.as_os_str()) == self.file.file_name()
     }

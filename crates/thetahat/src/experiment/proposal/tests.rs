@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use super::*;
-use thetahat_data::recording::{Side, Unit, inspect_with_time};
+use thetahat_data::recording::{Format, Side, Unit, inspect_with_time};
 use thetahat_estimation::identification::Method;
 use thetahat_ground::one_or_each::OneOrEach;
 use thetahat_model::robot::RobotSource;
@@ -807,4 +807,66 @@ fn a_gain_is_asked_for_where_joints_with_limits_would_turn_many_times() {
     };
     assert!(to_fill_in(83_443.0).contains("The position is written in counts"), "{}", to_fill_in(83_443.0));
     assert_eq!(to_fill_in(57.3), "");
+}
+
+/// A bag with two topics of arrays without names, of 300 samples and of this many.
+fn proposed_from_topics(names: [&str; 2], samples: usize, request: ProposalRequest) -> Result<String, ProposalError> {
+    let folder = thetahat_testing::Folder::new();
+    let topic = |name: &str, samples: usize| {
+        let row = |k: usize| format!("{},{},{}\n", k as f64 * 1e-3, (0.1 * k as f64).sin(), (0.13 * k as f64).cos());
+        folder.write("log.csv", format!("t,data[0],data[1]\n{}", (0..samples).map(row).collect::<String>()));
+        let mut contents = inspect_with_time(&folder.at("log.csv"), None).unwrap();
+        contents.tables[0].name = name.to_owned();
+        contents
+    };
+    let (mut bag, other) = (topic(names[0], 300), topic(names[1], samples));
+    bag.tables.extend(other.tables);
+    bag.format = Format::Ros1;
+    let robot = RobotSource::from_text(ARM.to_owned(), Path::new("arm.toml")).unwrap();
+    propose(&ProposalRequest { recording_files: vec!["run.bag".into()], ..request }, &robot, &[bag]).map(|p| p.text())
+}
+
+#[test]
+fn topics_hold_one_signal_each() {
+    let by_name = proposed_from_topics(["/arm/meas_q", "/arm/meas_tau"], 300, request()).unwrap();
+    let columns = r#"columns = ["data[0]", "data[1]"]"#;
+    for (signal, topic) in [("position", "/arm/meas_q"), ("torque", "/arm/meas_tau")] {
+        let line = format!(r#"{signal} = {{ file = "run.bag", topic = "{topic}", {columns}"#);
+        assert!(by_name.contains(&line), "{by_name}");
+    }
+    let (position, torque) = (vec!["/a".to_owned()], vec!["/b:data".to_owned()]);
+    let named = proposed_from_topics(["/a", "/b"], 300, ProposalRequest { position, torque, ..request() }).unwrap();
+    assert_eq!(by_name.replace("/arm/meas_q", "/a").replace("/arm/meas_tau", "/b"), named);
+    let unclear = proposed_from_topics(["/a", "/b"], 300, request()).unwrap_err();
+    assert!(matches!(unclear, ProposalError::UnclearColumns { .. }), "{unclear}");
+    let error = proposed_from_topics(["/arm/meas_q", "/arm/meas_tau"], 299, request()).unwrap_err().to_string();
+    let said = "run.bag, topic /arm/meas_q has 300 samples, run.bag, topic /arm/meas_tau has 299";
+    assert!(error.contains(said), "{error}");
+}
+
+#[test]
+fn columns_that_say_a_unit_and_nothing_else_are_what_it_measures() {
+    let text = proposed("t,a_deg,b_deg,a_kNm,b_kNm", request()).unwrap();
+    assert!(text.contains(r#"columns = ["a_deg", "b_deg"], unit = "deg""#), "{text}");
+    assert!(text.contains(r#"columns = ["a_kNm", "b_kNm"], unit = "kN m""#), "{text}");
+    let error = proposed("t,a_deg,b_deg,a_A,b_A", request()).unwrap_err();
+    assert!(matches!(error, ProposalError::UnclearColumns { signal: "torque", .. }), "{error}");
+}
+
+#[test]
+fn a_table_with_a_line_for_each_joint_is_refused_with_what_is_expected() {
+    let columns = |text: &str| ["time", "position", "effort", text].map(str::to_owned).to_vec();
+    let error = |columns| ProposalError::UnclearColumns {
+        file: "log.csv".into(),
+        signal: "position",
+        problem: "1 column looks like it (position)".to_owned(),
+        joints: 2,
+        columns,
+    };
+    let said = error(columns("`joint` (text, such as \"a\" in line 2)")).to_string();
+    assert!(said.contains("a line for each joint") && said.contains("table.pivot(index=\"time\""), "{said}");
+    let said = error(columns("`state` (a column compressed by GZIP)")).to_string();
+    assert!(said.contains("to_parquet(OTHER, compression=\"zstd\")"), "{said}");
+    let said = error(columns("`note` (text, such as \"ok\" in line 2)")).to_string();
+    assert!(!said.contains("pandas"), "{said}");
 }
