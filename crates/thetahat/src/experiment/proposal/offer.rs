@@ -77,7 +77,7 @@ pub(super) fn tables<'a>(
 }
 
 /// The topics of a bag that are named for the positions and the torques, or whose names say which of them they hold where their columns
-/// say nothing; none where one topic holds both.
+/// say nothing; empty if one topic holds both.
 fn topics_of_one_signal<'a>(request: &ProposalRequest, contents: &'a Contents) -> Vec<&'a TableSummary> {
     let has = |table: &TableSummary, named: &[String], signal: Signal| {
         let columns = || table.columns.iter().filter(|column| column.not_numeric.is_none());
