@@ -168,13 +168,16 @@ pub struct Init {
     #[arg(long, value_name = "FILE", required_unless_present = "from")]
     pub robot: Option<PathBuf>,
     /// A recording; given again: another file of it, or another recording
-    #[arg(long, value_name = "FILE", required_unless_present = "from")]
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["from", "design"])]
     pub recording: Vec<PathBuf>,
+    /// Write the design of a motion to record, for the robot alone, instead of an experiment
+    #[arg(long, conflicts_with = "recording")]
+    pub design: bool,
     #[command(flatten)]
     pub columns: Columns,
-    /// The experiment file to write; an existing file is kept
-    #[arg(long, value_name = "FILE.toml", default_value = "experiment.toml")]
-    pub out: PathBuf,
+    /// The file to write; an existing file is kept [default: experiment.toml, or design.toml with --design]
+    #[arg(long, value_name = "FILE.toml")]
+    pub out: Option<PathBuf>,
     #[command(flatten)]
     pub force: Force,
 }

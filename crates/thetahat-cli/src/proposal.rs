@@ -6,11 +6,15 @@ use std::{
 };
 
 use thetahat::{
+    design::Design,
     experiment::{Driver, DriverError, Proposal, ProposalFiles, ProposalRequest, ProposedControl, propose_for_motion},
     recording::{Contents, RecordingError, inspect_with_time},
     robot::RobotSource,
 };
-use thetahat_ground::output::{FileKind, OutputGuard, replace_file};
+use thetahat_ground::{
+    files,
+    output::{FileKind, OutputGuard, replace_file},
+};
 use thetahat_report::report;
 
 use crate::{
@@ -41,19 +45,23 @@ pub fn write_experiment(init: &Init) -> Result<Ending, Box<dyn Error>> {
     if init.columns.from.as_deref() == Some(LIST) {
         return show_drivers();
     }
+    if let (Some(robot), true) = (&init.robot, init.design) {
+        let out = init.out.as_deref().unwrap_or(Path::new("design.toml"));
+        return write_design(robot, out, init.force.force);
+    }
     let (Some(robot), false) = (&init.robot, init.recording.is_empty()) else {
         return Err("--robot FILE and --recording FILE are needed; --from list alone shows the drivers".into());
     };
     let source = RobotSource::read(robot)?;
     let of_driver = init.columns.from.iter().map(PathBuf::from);
     let inputs = init.recording.iter().chain(source.paths()).cloned().chain(of_driver);
-    OutputGuard::new(inputs, init.force.force).file(&init.out, FileKind::Unmarked)?;
+    let out = init.out.as_deref().unwrap_or(Path::new("experiment.toml"));
+    OutputGuard::new(inputs, init.force.force).file(out, FileKind::Unmarked)?;
     let contents = contents(&init.recording, &init.columns)?;
-    let folder = init.out.parent().map_or_else(PathBuf::new, Path::to_owned);
+    let folder = out.parent().map_or_else(PathBuf::new, Path::to_owned);
     let files = ProposalFiles { robot: robot.clone(), recordings: init.recording.clone(), folder };
     let proposal = proposal(&files, &source, &init.columns, &contents)?;
-    replace_file(&init.out, proposal.text().as_bytes())
-        .map_err(|e| format!("{}: cannot be written: {e}", init.out.display()))?;
+    replace_file(out, proposal.text().as_bytes()).map_err(|e| format!("{}: cannot be written: {e}", out.display()))?;
     let to_fill_in: String = proposal.to_fill_in().iter().map(|what| format!("To fill in: {what}\n")).collect();
     let without_gains = |c: &ProposedControl| c.position_gain.is_empty() || c.velocity_gain.is_empty();
     let is_without = proposal.control.as_ref().is_some_and(without_gains);
@@ -66,8 +74,27 @@ pub fn write_experiment(init: &Init) -> Result<Ending, Box<dyn Error>> {
     print(&format!(
         "written: {out}\n{notes}{of_driver}{not_used}{guesses}{to_fill_in}{options_of_gains}Review it: assumptions are marked as guesses. Then:\n  thetahat check {out}{options}\n  \
          thetahat identify {out}{options}\n",
-        out = init.out.display(),
+        out = out.display(),
         options = options_for(&files),
+    ))?;
+    Ok(Ending::Good)
+}
+
+/// The design of a motion to record, for a robot alone.
+fn write_design(robot: &Path, out: &Path, force: bool) -> Result<Ending, Box<dyn Error>> {
+    let source = RobotSource::read(robot)?;
+    OutputGuard::new(source.paths().iter().cloned(), force).file(out, FileKind::Unmarked)?;
+    let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let (robot, folder) = (files::real(robot)?, files::real(folder)?);
+    let text = Design::proposed(&source, robot.strip_prefix(&folder).unwrap_or(&robot), out)?;
+    replace_file(out, text.as_bytes()).map_err(|e| format!("{}: cannot be written: {e}", out.display()))?;
+    let guesses: String =
+        text.lines().filter(|line| line.contains("guess of")).map(|line| format!("  {line}\n")).collect();
+    let guesses =
+        if guesses.is_empty() { guesses } else { format!("Limits that the description does not state:\n{guesses}") };
+    print(&format!(
+        "written: {out}\n{guesses}Review it: accelerations, noise and controller are guesses. Then:\n  thetahat design {out} --out design\n",
+        out = out.display()
     ))?;
     Ok(Ending::Good)
 }

@@ -112,6 +112,9 @@ fn check_fit(exam: &mut Examination<'_>, signals: &Signals, recording: &mut Thin
     let is_uninformative = exam.has(&[Code::TorqueConstant, Code::JointStill, Code::JointDither])
         || exam.has_problem(Code::PositionJump)
         || !recording.has_rows_for(recording.parameters());
+    if exam.has(&[Code::TorqueConstant]) && recording.has_rows_for(recording.parameters()) {
+        torque::passive::check(exam, recording);
+    }
     if is_uninformative {
         return motion::excitation::check(exam, &recording.with_estimated_parameters());
     }

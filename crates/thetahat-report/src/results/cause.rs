@@ -49,11 +49,13 @@ pub enum CauseKind {
     GainDrift,
     /// A torque repeats with the position of a joint: cogging, the teeth of a gear.
     TorqueRipple,
+    /// The positions of a joint are turned or moved from some instant on: an encoder, a coupling or a belt slips.
+    ZeroShift,
 }
 
 impl CauseKind {
     /// All kinds.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::LateTorque,
         Self::EncoderZero,
         Self::GearRatio,
@@ -73,6 +75,7 @@ impl CauseKind {
         Self::AsymmetricFriction,
         Self::GainDrift,
         Self::TorqueRipple,
+        Self::ZeroShift,
     ];
 
     /// What it is, in words.
@@ -98,6 +101,7 @@ impl CauseKind {
             Self::AsymmetricFriction => "viscous friction that differs with the direction",
             Self::GainDrift => "a drive gain that changes with time",
             Self::TorqueRipple => "torque ripple",
+            Self::ZeroShift => "an encoder zero that changes",
         }
     }
 
@@ -108,6 +112,7 @@ impl CauseKind {
             _ if subject.is_empty() => self.words().to_owned(),
             Self::Payload | Self::OffsetDrift | Self::GravityDirection => format!("{} {subject}", self.words()),
             Self::Crosstalk => format!("{}: that of {subject}", self.words()),
+            Self::ZeroShift => format!("{}: {subject}", self.words()),
             Self::LateTorque
             | Self::EncoderZero
             | Self::GearRatio

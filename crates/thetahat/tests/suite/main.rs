@@ -32,6 +32,7 @@ mod nist_strd;
 mod not_separated;
 mod open_loop;
 mod operation_counts;
+mod passive;
 mod payload;
 mod physical;
 mod positions_alone;

@@ -12,6 +12,7 @@ pub(in crate::checks) mod hypotheses;
 pub(in crate::checks) mod levels;
 pub(in crate::checks) mod limit;
 mod order;
+pub(in crate::checks) mod passive;
 mod screening;
 pub(in crate::checks) mod spikes;
 pub(in crate::checks) mod unexplained;

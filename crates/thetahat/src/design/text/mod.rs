@@ -6,6 +6,7 @@ pub(in crate::design) mod experiment_text;
 pub(in crate::design) mod options;
 pub(in crate::design) mod outcome;
 pub(in crate::design) mod pictures;
+mod proposal;
 pub(in crate::design) mod validation;
 pub(in crate::design) mod validation_of_limits;
 pub(in crate::design) mod validation_of_motion;

@@ -144,7 +144,8 @@ fn cause(results: &Results, found: &ModelCause) -> Option<VerdictReason> {
         | CauseKind::JointSpring
         | CauseKind::AsymmetricFriction
         | CauseKind::GainDrift
-        | CauseKind::TorqueRipple => Verdict::Care,
+        | CauseKind::TorqueRipple
+        | CauseKind::ZeroShift => Verdict::Care,
     };
     let size = found.size_in_words().map(|size| format!(", {size}")).unwrap_or_default();
     let rivals = match found.rivals.as_slice() {
@@ -207,6 +208,7 @@ fn remedy(results: &Results, found: &ModelCause) -> String {
         CauseKind::TorqueRipple => {
             "add a [[term]] of kind motor-harmonics; its harmonics are multiples of the motor's angle".to_owned()
         }
+        CauseKind::ZeroShift => "cut the recording there, and check the encoder and what turns it".to_owned(),
         CauseKind::AsymmetricFriction => "add a [[term]] of kind asymmetric-viscous".to_owned(),
         CauseKind::JointSpring => "add a [[term]] of kind joint-spring, if a spring or a cable acts there".to_owned(),
     }

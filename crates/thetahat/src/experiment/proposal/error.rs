@@ -105,7 +105,8 @@ pub enum ProposalError {
     /// A joint moves whose torques are not in the log.
     #[error(
         "joint `{joint}` moves from {least:.4} to {most:.4} {unit}, and the log has no torque of it: locked, it would falsify the \
-         dynamics of the joints before it; record it with its torque, or cut the log to a part in which it rests"
+         dynamics of the joints before it; record it with its torque, or with a column of zeros if \
+         nothing drives it, or cut the log to a part in which it rests"
     )]
     MovesWithoutTorque {
         /// The joint.

@@ -38,6 +38,7 @@ fn of_cause(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
         | CauseKind::FallingConstant
         | CauseKind::GainDrift
         | CauseKind::TorqueRipple
+        | CauseKind::ZeroShift
         // Tilts about two axes are one remedy.
         | CauseKind::GravityDirection => Vec::new(),
     }

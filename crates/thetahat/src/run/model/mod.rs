@@ -121,7 +121,8 @@ fn add_causes_in_model(model: &mut ModelResult, described: Vec<ModelCause>) {
         | CauseKind::JointSpring
         | CauseKind::AsymmetricFriction
         | CauseKind::GainDrift
-        | CauseKind::TorqueRipple => false,
+        | CauseKind::TorqueRipple
+        | CauseKind::ZeroShift => false,
     };
     if model.terms.is_empty() {
         return;

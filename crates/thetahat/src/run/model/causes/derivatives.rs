@@ -26,6 +26,7 @@ impl Torques<'_> {
     }
 
     pub(super) fn signals(&self) -> SignalRows {
+        let gravity = self.gravity();
         SignalRows {
             torque: self.column(self.predicted.clone()),
             late: self.column(self.slopes(&self.predicted)),
@@ -38,23 +39,33 @@ impl Torques<'_> {
             time: self.each(|r, k, _| part_passed(r, k)),
             viscous_drift: self.each(|r, k, j| part_passed(r, k) * r.motion.dq.sample(k)[j]),
             coulomb_drift: self.each(|r, k, j| part_passed(r, k) * self.sign.of(r.motion.dq.sample(k)[j])),
-            load_friction: self.load_friction(),
+            gravity_friction: gravity.map_or([None, None], |gravity| self.load_friction(gravity.into_iter())),
+            load_friction: self.load_friction(self.of_bodies.iter().map(|[torque, ..]| torque.clone())),
             fading: self.fading(),
         }
     }
 
-    /// Coulomb friction in proportion to the torque of gravity.
-    fn load_friction(&self) -> Option<Vec<f64>> {
+    /// The torques of gravity.
+    fn gravity(&self) -> Option<Vec<Series>> {
         let bodies = self.only(|quantity| quantity.is_inertial());
-        let torques = self.recordings().map(|recording| {
+        let of_recording = |recording: &FilteredRecording| {
             let still = || Series::zeros(recording.motion.q.len(), self.joints());
             let motion = Motion { q: recording.motion.q.clone(), dq: still(), ddq: still() };
-            let mut torque = self.of(&self.problem.model, &bodies, &motion, recording)?;
-            let pairs = torque.values_mut().iter_mut().zip(recording.motion.dq.values());
-            pairs.for_each(|(gravity, dq)| *gravity = gravity.abs() * self.sign.of(*dq));
-            Some(torque)
-        });
-        self.column(torques.collect::<Option<_>>()?)
+            self.of(&self.problem.model, &bodies, &motion, recording)
+        };
+        self.recordings().map(of_recording).collect()
+    }
+
+    /// Friction in proportion to the size of loads: against the motion, and the part by which it differs with the direction.
+    fn load_friction(&self, loads: impl Iterator<Item = Series>) -> [Option<Vec<f64>>; 2] {
+        let mut sizes: Vec<Series> = loads.collect();
+        sizes.iter_mut().flat_map(|load| load.values_mut()).for_each(|load| *load = load.abs());
+        let mut against = sizes.clone();
+        for (load, recording) in against.iter_mut().zip(self.recordings()) {
+            let pairs = load.values_mut().iter_mut().zip(recording.motion.dq.values());
+            pairs.for_each(|(load, dq)| *load *= self.sign.of(*dq));
+        }
+        [against, sizes].map(|loads| self.column(loads))
     }
 
     fn fading(&self) -> [Option<Vec<f64>>; 2] {

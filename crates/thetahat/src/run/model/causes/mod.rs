@@ -210,7 +210,8 @@ impl Search<'_> {
             | CauseKind::Crosstalk
             | CauseKind::FallingConstant
             | CauseKind::JointSpring
-            | CauseKind::GainDrift => false,
+            | CauseKind::GainDrift
+            | CauseKind::ZeroShift => false,
         };
         if is_by_filtered { self.named_by_filtered } else { self.named_below }
     }
@@ -250,7 +251,8 @@ fn smallest_shown(residual: &Residual, candidate: usize, named_below: f64) -> Op
         | CauseKind::JointSpring
         | CauseKind::AsymmetricFriction
         | CauseKind::GainDrift
-        | CauseKind::TorqueRipple => return None,
+        | CauseKind::TorqueRipple
+        | CauseKind::ZeroShift => return None,
     }
     residual.test(candidate)?.size?;
     let beyond = |column: &[f64], count: usize| {
@@ -300,7 +302,7 @@ impl Cause {
     /// Whether it is the same error in other words: another instant of a payload, or one place and several.
     fn is_part_of(&self, other: &Self) -> bool {
         let several = !self.members.is_empty() || !other.members.is_empty();
-        let is_of_instants = matches!(self.kind, CauseKind::Payload | CauseKind::OffsetDrift);
+        let is_of_instants = matches!(self.kind, CauseKind::Payload | CauseKind::OffsetDrift | CauseKind::ZeroShift);
         self.kind == other.kind && (is_of_instants || several)
     }
 
@@ -312,7 +314,8 @@ impl Cause {
             | CauseKind::GearRatio
             | CauseKind::Length
             | CauseKind::GravityDirection
-            | CauseKind::Crosstalk => size.abs() < LARGEST,
+            | CauseKind::Crosstalk
+            | CauseKind::ZeroShift => size.abs() < LARGEST,
             CauseKind::DriveGain | CauseKind::GainDrift => size.abs() < LARGEST_GAIN,
             // A constant does not grow with the current.
             CauseKind::FallingConstant => size > 0.0 && size < LARGEST_GAIN,

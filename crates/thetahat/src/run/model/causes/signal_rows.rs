@@ -25,8 +25,10 @@ pub(super) struct SignalRows {
     pub(super) viscous_drift: Option<Vec<f64>>,
     /// The same of Coulomb friction.
     pub(super) coulomb_drift: Option<Vec<f64>>,
-    /// Coulomb friction in proportion to the torque of gravity.
-    pub(super) load_friction: Option<Vec<f64>>,
+    /// Coulomb friction in proportion to the torque of gravity, and the part by which it differs with the direction.
+    pub(super) gravity_friction: [Option<Vec<f64>>; 2],
+    /// The same in proportion to the whole torque of the bodies.
+    pub(super) load_friction: [Option<Vec<f64>>; 2],
     /// Coulomb friction that fades at each of [`SPEEDS`](super::torques::SPEEDS).
     pub(super) fading: [Option<Vec<f64>>; 2],
 }

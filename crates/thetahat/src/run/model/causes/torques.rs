@@ -69,7 +69,7 @@ pub(super) struct Torques<'a> {
     /// Of each recording, with the model as it is.
     pub(super) predicted: Vec<Series>,
     /// Of each recording, the torques of the bodies alone, and their first and second derivatives.
-    of_bodies: Vec<[Series; 3]>,
+    pub(super) of_bodies: Vec<[Series; 3]>,
     /// Signals of all joints in the tested rows, of which those of one joint are a cause's column.
     signals: SignalRows,
 }
@@ -174,7 +174,7 @@ impl<'a> Torques<'a> {
             in_parallel(tried.len(), threads, |k| self.cause(tried[k])).into_iter().flatten().collect();
         let together = [CauseKind::EncoderZero, CauseKind::GearRatio, CauseKind::DriveGain, CauseKind::Length]
             .map(|k| Cause::together(k, &found));
-        found.into_iter().chain(together.into_iter().flatten()).chain(self.instants()).collect()
+        found.iter().cloned().chain(together.into_iter().flatten()).chain(self.instants(&found)).collect()
     }
 
     fn tried(&self) -> Vec<Tried> {
@@ -189,21 +189,31 @@ impl<'a> Torques<'a> {
             Tried::OffsetDrift,
             Tried::GainDrift(None),
         ];
-        tried.extend((0..joints).flat_map(|j| [Tried::Zero(j), Tried::Gear(j), Tried::DriveGain(j)]));
+        let driven: Vec<usize> = (0..joints).filter(|&j| self.is_driven(j)).collect();
+        tried.extend((0..joints).flat_map(|j| [Tried::Zero(j), Tried::Gear(j)]));
+        tried.extend(driven.iter().copied().map(Tried::DriveGain));
         tried.extend(revolute.map(Tried::Elastic));
         tried.extend(lengths);
         tried.extend((1..joints).map(|j| Tried::Coupling(j - 1)));
         if joints > 1 {
             let friction = self.friction_shares().unwrap_or_else(|| vec![0.0; joints]);
-            tried.extend((0..joints).filter(|&j| friction[j] < MOST_FRICTION).map(|j| Tried::LateTorque(Some(j))));
-            tried.extend((0..joints).map(|j| Tried::GainDrift(Some(j))));
+            let without_friction = driven.iter().copied().filter(|&j| friction[j] < MOST_FRICTION);
+            tried.extend(without_friction.map(|j| Tried::LateTorque(Some(j))));
+            tried.extend(driven.iter().map(|&j| Tried::GainDrift(Some(j))));
         }
         tried.extend((0..3).filter(|&axis| self.can_tilt_about(axis)).map(Tried::Gravity));
         let is_near = |from: usize, into: usize| joints <= ALL_PAIRS || from.abs_diff(into) == 1;
         let others = |from: usize| (0..joints).filter(move |&into| into != from && is_near(from, into));
-        tried.extend((0..joints).flat_map(|from| others(from).map(move |into| Tried::Crosstalk([from, into]))));
-        tried.extend((0..joints).flat_map(|j| [Tried::FallingConstant(j), Tried::Spring(j), Tried::Asymmetric(j)]));
+        tried.extend(driven.iter().flat_map(|&from| others(from).map(move |into| Tried::Crosstalk([from, into]))));
+        tried.extend(driven.into_iter().map(Tried::FallingConstant));
+        tried.extend((0..joints).flat_map(|j| [Tried::Spring(j), Tried::Asymmetric(j)]));
         tried
+    }
+
+    /// Whether a joint has a torque that is not zero: what is predicted for others is their residual.
+    fn is_driven(&self, joint: usize) -> bool {
+        let torques = self.recordings().filter_map(|recording| recording.recording.torque.as_ref());
+        torques.into_iter().any(|torque| torque.channel(joint).iter().any(|torque| *torque != 0.0))
     }
 
     /// Standard deviation of each joint's predicted friction over that of the rest of its torque.
@@ -269,7 +279,10 @@ impl<'a> Torques<'a> {
             Tried::LateTorque(Some(j)) => vec![self.of_joint(&self.signals.late, j)],
             Tried::GainDrift(None) => vec![self.signals.aging.clone()],
             Tried::GainDrift(Some(j)) => vec![self.of_joint(&self.signals.aging, j)],
-            Tried::LoadFriction => self.of_each_joint(&self.signals.load_friction),
+            Tried::LoadFriction => {
+                let kinds = self.signals.gravity_friction.iter().chain(&self.signals.load_friction);
+                kinds.flat_map(|rows| self.of_each_joint(rows)).collect()
+            }
             Tried::SpeedFriction => self.speed_friction(),
             Tried::FrictionDrift => self.friction_drift(),
             Tried::OffsetDrift => self.of_each_joint(&self.signals.time),
@@ -441,8 +454,8 @@ impl<'a> Torques<'a> {
         !accelerations.is_empty() && 2.0 * velocity * cutoff_hz >= median(&accelerations)
     }
 
-    /// Another last link, or other offsets, from some instant on, in one recording.
-    fn instants(&self) -> Vec<Cause> {
+    /// Another last link, other offsets, or another zero of a joint from some instant on, in one recording.
+    fn instants(&self, found: &[Cause]) -> Vec<Cause> {
         let mut recordings = self.recordings();
         let (Some(recording), None) = (recordings.next(), recordings.next()) else { return Vec::new() };
         let table = self.problem.model.parameter_table();
@@ -456,19 +469,37 @@ impl<'a> Torques<'a> {
         let Some(body) = indices.map(unit).collect::<Option<Vec<_>>>() else { return Vec::new() };
         let offsets = self.of_each_joint(&self.signals.constant).into_iter().collect::<Option<Vec<_>>>();
         let Some(offsets) = offsets else { return Vec::new() };
-        let per_joint = self.tested.rows.rows_of_joint();
-        let from = |instant: usize, kind: CauseKind, units: &[Vec<f64>]| {
-            let start = per_joint * (instant + 2) / (INSTANTS + 3);
-            let after = |unit: &Vec<f64>| {
-                unit.iter().enumerate().map(|(k, v)| if k % per_joint < start { 0.0 } else { *v }).collect()
+        let zeros: Vec<&Cause> = found.iter().filter(|cause| cause.kind == CauseKind::EncoderZero).collect();
+        let searched = INSTANTS * zeros.len();
+        let of_instant = |instant: usize| {
+            let (start, at) = self.instant(instant, recording);
+            let after = |columns: &[Vec<f64>]| columns.iter().map(|column| self.after(start, column)).collect();
+            let cause = |kind, subject: &str, columns: &[Vec<f64>]| {
+                let (subject, columns) = (subject.to_owned(), after(columns));
+                Cause { kind, subject, unit: "", columns, instrument: None, members: Vec::new(), searched: 1 }
             };
-            let sample = self.tested.all.decimators[0].kept().nth(start * self.tested.step).unwrap_or_default();
-            let time_s = recording.start_s() + sample as f64 / recording.recording.sample_rate_hz;
-            let columns = units.iter().map(after).collect();
-            let subject = format!("at {time_s:.1} s");
-            Cause { kind, subject, unit: "", columns, instrument: None, members: Vec::new(), searched: 1 }
+            let shifted = |zero: &&Cause| {
+                let subject = format!("{} {at}", zero.subject);
+                Cause { unit: zero.unit, searched, ..cause(CauseKind::ZeroShift, &subject, &zero.columns) }
+            };
+            let mut all = vec![cause(CauseKind::Payload, &at, &body), cause(CauseKind::OffsetDrift, &at, &offsets)];
+            all.extend(zeros.iter().map(shifted));
+            all
         };
-        let of_instant = |i| [from(i, CauseKind::Payload, &body), from(i, CauseKind::OffsetDrift, &offsets)];
         (0..INSTANTS).flat_map(of_instant).collect()
+    }
+
+    /// The row of a joint at an instant, and its time in words.
+    fn instant(&self, instant: usize, recording: &FilteredRecording) -> (usize, String) {
+        let start = self.tested.rows.rows_of_joint() * (instant + 2) / (INSTANTS + 3);
+        let sample = self.tested.all.decimators[0].kept().nth(start * self.tested.step).unwrap_or_default();
+        let time_s = recording.start_s() + sample as f64 / recording.recording.sample_rate_hz;
+        (start, format!("at {time_s:.1} s"))
+    }
+
+    /// A column of one recording that is zero before a row of each joint.
+    fn after(&self, start: usize, column: &[f64]) -> Vec<f64> {
+        let per_joint = self.tested.rows.rows_of_joint();
+        column.iter().enumerate().map(|(k, v)| if k % per_joint < start { 0.0 } else { *v }).collect()
     }
 }
