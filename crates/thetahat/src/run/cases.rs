@@ -7,7 +7,7 @@ use super::{
     curves,
     estimation_data::EstimationData,
     examination::{ExaminationModel, compare, examine, examine_robot, with_filter_explained, with_note},
-    explained_by_model::{are_of_other_data, with_model_explained},
+    explained_by_model::{keep_causes_of_these_data, with_model_explained},
     identification::{CaseProblem, Identification},
     parameters::{elimination_result, not_separated},
     prepared::{PreparedRecording, filtered},
@@ -92,9 +92,7 @@ impl Identification {
         match self.model(&problems[0].problem, &results.runs)? {
             Ok(mut model) => {
                 with_model_explained(&mut results.findings, &model);
-                if are_of_other_data(&results.findings) {
-                    model.causes.clear();
-                }
+                keep_causes_of_these_data(&mut model, &results.findings);
                 results.model = Some(model);
             }
             Err(why) => results.no_model = Some(why),

@@ -1,7 +1,7 @@
 //! What the model says of findings, and findings of the model.
 
 use thetahat_estimation::checks::{Code, Finding, Severity};
-use thetahat_report::results::{ModelResult, RecordingFindings};
+use thetahat_report::results::{CauseKind, ModelResult, RecordingFindings};
 
 /// The model's error over the torque that a wider filter would explain, below which nothing of it is missing. With a filter that
 /// does remove motion, at 0.6 Hz instead of 15, it is 0.33; where joints move one after the other and their friction is fitted
@@ -9,6 +9,8 @@ use thetahat_report::results::{ModelResult, RecordingFindings};
 const NOTHING_MISSING: f64 = 0.15;
 /// Largest noise of the accelerations that is judged by what it does to estimates, percent: at more, predictions have it too.
 const MOST_NOISE_PERCENT: f64 = 10.0;
+/// Part of the model's error that another load explains where it is the reason of it: 0.6 to 0.9 where a payload was picked up.
+const MOST_OF_ERROR: f64 = 0.6;
 /// Part of half an interval by which noise of the accelerations may move an estimate.
 const MOVED: f64 = 0.1;
 
@@ -22,27 +24,33 @@ pub(super) fn with_model_explained(findings: &mut [RecordingFindings], model: &M
     of_recordings.flat_map(|of| &mut of.findings).for_each(|f| explain(f, unseen, &estimates));
 }
 
-/// Whether the checks found that the signals are not those of the robot alone, as they are said to be: errors of a model that was fitted to
-/// them have no causes.
-pub(super) fn are_of_other_data(findings: &[RecordingFindings]) -> bool {
-    let is_other = |finding: &Finding| {
-        let is_of_signals = matches!(
-            finding.code,
-            Code::PositionScale
-                | Code::PositionSign
-                | Code::PositionZero
-                | Code::TorqueScale
-                | Code::TorqueSign
-                | Code::JointsSwapped
-                | Code::Lag
-                | Code::GravityDirection
-                | Code::ExternalForce
-                | Code::WrongRobot
-        );
-        let is_limited = finding.code == Code::TorqueSaturated && finding.severity < Severity::Note;
-        is_limited || (is_of_signals && finding.severity == Severity::Problem)
-    };
-    findings.iter().filter(|of| !of.held_back).flat_map(|of| &of.findings).any(is_other)
+/// Leaves out the causes where the checks found that the signals are not those of the robot alone, as they are said to be: errors of a model
+/// that was fitted to them have none. But another load from some instant on is the reason why nothing fits, where it explains most of it.
+pub(super) fn keep_causes_of_these_data(model: &mut ModelResult, findings: &[RecordingFindings]) {
+    let all = || findings.iter().filter(|of| !of.held_back).flat_map(|of| &of.findings);
+    let least = MOST_OF_ERROR * model.fit.percent;
+    if all().any(is_of_other_signals) {
+        model.causes.clear();
+    } else if all().any(|finding| finding.code == Code::WrongRobot && finding.severity == Severity::Problem) {
+        model.causes.retain(|cause| cause.kind == CauseKind::Payload && cause.error_percent > least);
+    }
+}
+
+fn is_of_other_signals(finding: &Finding) -> bool {
+    let is_of_signals = matches!(
+        finding.code,
+        Code::PositionScale
+            | Code::PositionSign
+            | Code::PositionZero
+            | Code::TorqueScale
+            | Code::TorqueSign
+            | Code::JointsSwapped
+            | Code::Lag
+            | Code::GravityDirection
+            | Code::ExternalForce
+    );
+    let is_limited = finding.code == Code::TorqueSaturated && finding.severity < Severity::Note;
+    is_limited || (is_of_signals && finding.severity == Severity::Problem)
 }
 
 /// A value with its interval.

@@ -242,6 +242,28 @@ fn an_offset_that_jumps_is_named() {
     assert!(results.verdict != Some(Verdict::Good), "{:?}", results.verdict_reasons);
 }
 
+/// A belt slips within 0.05 s: from then on the encoder of joint 2 has another zero, and the recording no step.
+#[test]
+fn an_encoder_that_slips_is_named_with_its_time() {
+    let clean = recording();
+    let mut position = clean.position.clone();
+    let (start, slips) = (position.len() / 2, 0.05 * clean.sample_rate_hz);
+    for k in start..position.len() {
+        position.sample_mut(k)[1] += 0.06 * ((k - start) as f64 / slips).min(1.0);
+    }
+    let slipped_s = start as f64 / clean.sample_rate_hz;
+    let length_s = position.len() as f64 / clean.sample_rate_hz;
+    let results = identify(Recording { position, ..clean });
+    let causes = &model(&results).causes;
+    let slip = causes.iter().find(|c| c.kind == CauseKind::ZeroShift).unwrap_or_else(|| panic!("{causes:?}"));
+    let time_s: f64 =
+        slip.subject.strip_prefix("joint 2 at ").and_then(|t| t.strip_suffix(" s")).unwrap().parse().unwrap();
+    assert!((time_s - slipped_s).abs() < length_s / 15.0, "{} of {slipped_s}", slip.subject);
+    let (size, deviation) = (slip.size.unwrap().abs(), slip.standard_deviation.unwrap());
+    assert!((size - 0.06).abs() < 2.5 * deviation && deviation < 0.012, "{slip:?}");
+    assert_eq!(results.verdict, Some(Verdict::Care), "{:?}", results.verdict_reasons);
+}
+
 /// A recording of another robot's torques has a model that is not to be used.
 #[test]
 fn torques_that_do_not_belong_are_refused() {

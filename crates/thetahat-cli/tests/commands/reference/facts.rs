@@ -120,7 +120,7 @@ pub const FINDINGS: [[&str; 4]; 44] = [
     [
         "torque-constant",
         "problem, note",
-        "a torque that never changes; a note where no parameter depends on it",
+        "a torque that never changes; a note where no parameter depends on it, or the motion shows that nothing drives the joint",
         "check the torque's column",
     ],
     [

@@ -15,19 +15,18 @@ const LEAST_TERMS: f64 = 0.05;
 const FITS: f64 = 0.2;
 
 /// Makes a note of torques of zero that the motion confirms: the terms of the model cancel, with parameters that fit the other joints.
-/// Returns whether all are.
-pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>) -> bool {
+pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>) {
     let is_zero = |j: &usize| recording.torque.channel(*j).iter().all(|torque| *torque == 0.0);
     let (passive, driven): (Vec<usize>, Vec<usize>) = (0..recording.coordinates()).partition(is_zero);
-    let Ok(fit) = recording.fit() else { return false };
+    let Ok(fit) = recording.fit() else { return };
     if passive.is_empty() || driven.is_empty() || driven.iter().any(|&j| fit.joint_error(j) > FITS) {
-        return false;
+        return;
     }
     let torque = driven.iter().map(|&j| rms(&recording.torque.channel(j))).fold(0.0, f64::max);
     let left: Vec<Option<f64>> =
         passive.iter().map(|&j| left_percent(recording, &fit, j, LEAST_TERMS * torque)).collect();
     let left = left.into_iter().collect::<Option<Vec<f64>>>();
-    let Some(left) = left.filter(|left| left.iter().all(|left| *left < CANCEL_PERCENT)) else { return false };
+    let Some(left) = left.filter(|left| left.iter().all(|left| *left < CANCEL_PERCENT)) else { return };
     for (j, left) in passive.into_iter().zip(left) {
         let number = exam.subject.joint_number(j);
         let evidence = Evidence {
@@ -44,7 +43,6 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &ThinnedRe
             )
         });
     }
-    true
 }
 
 /// What the model leaves of a torque of zero, percent of the root sum square of its terms, if these are so large.
