@@ -93,7 +93,7 @@ fn write_design(robot: &Path, out: &Path, force: bool) -> Result<Ending, Box<dyn
     let guesses =
         if guesses.is_empty() { guesses } else { format!("Limits that the description does not state:\n{guesses}") };
     print(&format!(
-        "written: {out}\n{guesses}Review it: accelerations, noise and controller are guesses. Then:\n  thetahat design {out} --out design\n",
+        "written: {out}\n{guesses}Review it: accelerations, noise and controller are guesses, and the robot will travel the ranges. Then:\n  thetahat design {out} --out design\n",
         out = out.display()
     ))?;
     Ok(Ending::Good)

@@ -9,10 +9,10 @@ use thetahat_model::{
     robot::{Joint, JointKind, Limits, Locks, Robot, RobotSource},
 };
 
-/// Range of a joint that turns without end, degrees, and of one that slides without a stated range, mm.
-const RANGE: [f64; 2] = [180.0, 100.0];
-/// Velocity of a joint without a stated one, degrees/s or mm/s.
-const VELOCITY: [f64; 2] = [90.0, 250.0];
+/// Range of a joint without a stated one, degrees or mm to both sides of zero: small, as the robot will travel it.
+const RANGE: [f64; 2] = [45.0, 50.0];
+/// Velocity of a joint without a stated one, degrees/s or mm/s: slow.
+const VELOCITY: [f64; 2] = [60.0, 100.0];
 /// Time in which an industrial robot reaches its velocity, s.
 const RISE_S: f64 = 0.4;
 /// Noise of a torque over its largest value.
@@ -186,7 +186,7 @@ mod tests {
         };
         let text = proposed("examples/arm/arm.urdf", unlimited).unwrap();
         let first = proposed("examples/arm/arm.urdf", |text| text).unwrap();
-        for part in ["position = [[-180, 180], ", "velocity = [90, ", "# torque = [...]"] {
+        for part in ["position = [[-45, 45], ", "velocity = [60, ", "# torque = [...]"] {
             assert!(text.contains(part) && !first.contains(part), "{part}: {text}");
         }
     }
