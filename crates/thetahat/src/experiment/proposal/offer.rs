@@ -79,12 +79,15 @@ pub(super) fn tables<'a>(
 /// The topics of a bag that are named for the positions and the torques, or whose names say which of them they hold where their columns
 /// say nothing; empty if one topic holds both.
 fn topics_of_one_signal<'a>(request: &ProposalRequest, contents: &'a Contents) -> Vec<&'a TableSummary> {
+    // Torques that a controller computed are no measured ones.
+    let is_measured = |table: &TableSummary| !column_names::says_desired_torque(&table.name);
+    let says = |table: &TableSummary| column_names::read_file_name(&table.name).filter(|_| is_measured(table));
     let has = |table: &TableSummary, named: &[String], signal: Signal| {
         let columns = || table.columns.iter().filter(|column| column.not_numeric.is_none());
         let is_of = |column: &ColumnSummary| column_names::read(&column.name).is_some_and(|r| r.signal == signal);
         let is_silent = || columns().any(|column| column_names::is_silent(&column.name));
         match named {
-            [] => columns().any(is_of) || (column_names::read_file_name(&table.name) == Some(signal) && is_silent()),
+            [] => columns().any(is_of) || (says(table) == Some(signal) && is_silent()),
             [..] => named.iter().any(|name| is_topic(name, table)),
         }
     };

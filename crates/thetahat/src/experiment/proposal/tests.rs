@@ -839,6 +839,8 @@ fn topics_hold_one_signal_each() {
     assert_eq!(by_name.replace("/arm/meas_q", "/a").replace("/arm/meas_tau", "/b"), named);
     let unclear = proposed_from_topics(["/a", "/b"], 300, request()).unwrap_err();
     assert!(matches!(unclear, ProposalError::UnclearColumns { .. }), "{unclear}");
+    let commanded = proposed_from_topics(["/arm/meas_q", "/effort_controller/commands"], 300, request()).unwrap_err();
+    assert!(matches!(commanded, ProposalError::UnclearColumns { .. }), "{commanded}");
     let error = proposed_from_topics(["/arm/meas_q", "/arm/meas_tau"], 299, request()).unwrap_err().to_string();
     let said = "run.bag, topic /arm/meas_q has 300 samples, run.bag, topic /arm/meas_tau has 299";
     assert!(error.contains(said), "{error}");

@@ -212,8 +212,8 @@ impl<'a> Torques<'a> {
 
     /// Whether a joint has a torque that is not zero: what is predicted for others is their residual.
     fn is_driven(&self, joint: usize) -> bool {
-        let torques = self.recordings().filter_map(|recording| recording.recording.torque.as_ref());
-        torques.into_iter().any(|torque| torque.channel(joint).iter().any(|torque| *torque != 0.0))
+        let mut torques = self.recordings().filter_map(|recording| recording.recording.torque.as_ref());
+        torques.any(|torque| torque.channel(joint).iter().any(|torque| *torque != 0.0))
     }
 
     /// Standard deviation of each joint's predicted friction over that of the rest of its torque.
