@@ -59,8 +59,12 @@ fn printed(name: &str, specimen: Specimen) -> Result<String, Failed> {
 
 fn as_printed(name: &str, specimen: Specimen, outcome: &Outcome, findings: &[Finding]) -> Result<(), Failed> {
     let (found, printed) = (outcome.cell(), printed(name, specimen)?);
-    let all: Vec<String> = findings.iter().map(|f| format!("{} [{}] {}", f.severity, f.code, f.message)).collect();
-    ensure(found == printed, format!("found {found}, printed {printed}\n{}", all.join("\n")))
+    ensure(found == printed, format!("found {found}, printed {printed}\n{}", lines(findings)))
+}
+
+fn lines(findings: &[Finding]) -> String {
+    let lines: Vec<String> = findings.iter().map(|f| format!("{} [{}] {}", f.severity, f.code, f.message)).collect();
+    lines.join("\n")
 }
 
 fn of_one(specimen: Specimen, defect: &Defect) -> Result<(), Failed> {
@@ -69,7 +73,7 @@ fn of_one(specimen: Specimen, defect: &Defect) -> Result<(), Failed> {
     let findings = spoiled.findings();
     let outcome = Outcome::of(&findings, defect.codes);
     let is_excused = defect.unseen.iter().any(|u| u.0 == specimen);
-    ensure(is_excused || outcome != Outcome::NotSeen, "not seen")?;
+    ensure(is_excused || outcome != Outcome::NotSeen, format!("not seen\n{}", lines(&findings)))?;
     as_printed(defect.name, specimen, &outcome, &findings)
 }
 
@@ -79,7 +83,7 @@ fn of_two(specimen: Specimen, defect: &PairDefect) -> Result<(), Failed> {
     let findings = pair.findings();
     let outcome = Outcome::of(&findings, &[defect.code]);
     let is_excused = defect.unseen.iter().any(|u| u.0 == specimen);
-    ensure(is_excused || outcome != Outcome::NotSeen, "not seen")?;
+    ensure(is_excused || outcome != Outcome::NotSeen, format!("not seen\n{}", lines(&findings)))?;
     as_printed(defect.name, specimen, &outcome, &findings)
 }
 

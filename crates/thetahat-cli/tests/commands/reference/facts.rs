@@ -114,7 +114,7 @@ pub const FINDINGS: [[&str; 4]; 44] = [
     [
         "torque-saturated",
         "problem, warning",
-        "samples of a drive at exactly its extreme value, many more than at the next value ({checks/torque/levels SATURATED_LIMIT_PERCENT} % of the window); a problem: rows at its extreme value where the motion, by a fit to the other times, asks for more ({checks/torque/limit LIMIT_PERCENT} % of the window)",
+        "samples of a drive at exactly its extreme value, many more than at the next value ({checks/torque/levels SATURATED_LIMIT_PERCENT} % of the window); a problem: rows at its extreme value where the motion, by a fit to the other times, asks for more, which the torque does not follow ({checks/torque/limit LIMIT_PERCENT} % of the window)",
         "move more slowly, widen the range of drive or logger, or leave the times out by `left_out_s`",
     ],
     [
@@ -247,7 +247,7 @@ pub const FINDINGS: [[&str; 4]; 44] = [
     [
         "gravity-direction",
         "problem, warning",
-        "ratio for gravity of the same length from another direction ({checks/torque/gravity_fit LIMIT}), at least {checks/torque/gravity LEAST_DEG} degrees from the stated one; a problem beyond {checks/torque/gravity WRONG_DEG} degrees or {checks/torque/gravity_fit WRONG_RATIO} times. A problem: ratio for torques without gravity, or less than {checks/torque/weight LEAST_WEIGHT} of the weight of the description's links, which would make the squared residual {checks/torque/gravity_fit WRONG_RATIO} times larger",
+        "ratio for gravity of the same length from another direction ({checks/torque/gravity_fit LIMIT}), at least {checks/torque/gravity LEAST_DEG} degrees from the stated one; a problem beyond {checks/torque/gravity WRONG_DEG} degrees ({checks/torque/gravity WRONG_LIMIT}) or {checks/torque/gravity_fit WRONG_RATIO} times. A problem: ratio for torques without gravity, or less than {checks/torque/weight LEAST_WEIGHT} of the weight of the description's links, which would make the squared residual {checks/torque/gravity_fit WRONG_RATIO} times larger",
         "`gravity` of the experiment, as in the message",
     ],
     [
@@ -259,7 +259,7 @@ pub const FINDINGS: [[&str; 4]; 44] = [
     [
         "friction-drift",
         "warning",
-        "change of a joint's friction over the recording ({checks/time/drift FRICTION_LIMIT_PERCENT} %, and {checks/time/drift SIGNIFICANT_FRICTION} standard deviations)",
+        "change of a joint's friction over the recording ({checks/time/drift FRICTION_LIMIT_PERCENT} %, and {checks/time/drift SIGNIFICANT_FRICTION} standard deviations), in a joint that moves in a quarter of it",
         "warm the joint up, or start the window later",
     ],
     [

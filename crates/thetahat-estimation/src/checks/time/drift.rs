@@ -51,8 +51,10 @@ const FRICTION: Quantity = Quantity {
              the whole recording",
 };
 
-/// Blocks of time.
+/// Blocks of time, and fewest in which a joint must have information: from fewer no deviation can be estimated, and its ramp is one of a
+/// part of the recording (joints that move one after the other).
 const BLOCKS: usize = 20;
+const FEWEST_BLOCKS: f64 = 5.0;
 
 /// A drift with its standard deviation, both relative.
 #[derive(Debug, Clone, Copy)]
@@ -101,6 +103,11 @@ fn drifts(recording: &ThinnedRecording<'_>, fit: &OrthogonalFit, j: usize) -> Op
     let mut drifts = [none; 2];
     drifts[first] = alone[0];
     drifts[1 - first] = both.map_or(none, |both| both[1 - first]);
+    for (drift, direction) in drifts.iter_mut().zip(&directions) {
+        if informative_blocks(recording.rows(), direction) < FEWEST_BLOCKS {
+            *drift = none;
+        }
+    }
     Some(drifts)
 }
 
@@ -127,6 +134,13 @@ fn ramped(recording: &ThinnedRecording<'_>, fit: &OrthogonalFit, j: usize, theta
     direction
 }
 
+/// Number of blocks of time over which the squares of `direction` are spread: of a block's part p, 1 / sum p^2.
+fn informative_blocks(rows: usize, direction: &[f64]) -> f64 {
+    let mut squares = [0.0; BLOCKS];
+    direction.iter().enumerate().for_each(|(i, d)| squares[(i % rows) * BLOCKS / rows] += d * d);
+    squares.iter().sum::<f64>().powi(2) / dot(&squares, &squares)
+}
+
 /// The sum over blocks of time of the squared scores.
 fn block_spread(recording: &ThinnedRecording<'_>, directions: &[&Vec<f64>], rest: &[f64]) -> Matrix {
     let (rows, n) = (recording.rows(), directions.len());
@@ -136,4 +150,18 @@ fn block_spread(recording: &ThinnedRecording<'_>, directions: &[&Vec<f64>], rest
         score.iter_mut().zip(directions).for_each(|(s, d)| *s += d[i] * r);
     }
     Matrix::from_fn(n, n, |a, b| scores.iter().map(|s| s[a] * s[b]).sum())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{FEWEST_BLOCKS, informative_blocks};
+
+    #[test]
+    fn a_joint_that_moves_in_a_sixth_of_the_recording_shows_no_drift() {
+        let ramp = |i: usize| i as f64 / 600.0 - 0.5;
+        let all: Vec<f64> = (0..600).map(ramp).collect();
+        let sixth: Vec<f64> = (0..600).map(|i| if i < 100 { ramp(i) } else { 0.0 }).collect();
+        assert!((10.0..12.0).contains(&informative_blocks(600, &all)));
+        assert!(informative_blocks(600, &sixth) < FEWEST_BLOCKS);
+    }
 }

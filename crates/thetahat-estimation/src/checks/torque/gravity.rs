@@ -28,6 +28,8 @@ const DIGITS: f64 = 1e4;
 const LEAST_DEG: f64 = 2.0;
 /// Change of direction in degrees above which all estimates are wrong.
 const WRONG_DEG: f64 = 10.0;
+/// Factor by which a direction that differs by more must reduce the squared residual: the fit has many such directions to choose from.
+const WRONG_LIMIT: f64 = 2.0;
 /// Change of direction in degrees beyond which parameters of the other sign explain as much: exchanged arms of a torso look like a robot
 /// that hangs.
 const TURNED_DEG: f64 = 90.0;
@@ -57,7 +59,8 @@ pub(in crate::checks) fn check(
     let ratio = stated_fit.squares() / squares;
     let evidence = evidence(ratio);
     let angle = angle_deg(stated, found);
-    if angle < LEAST_DEG || ratio <= LIMIT || fault::largest_gain(recording, hypotheses) > ratio {
+    let limit = if angle > WRONG_DEG { WRONG_LIMIT } else { LIMIT };
+    if angle < LEAST_DEG || ratio <= limit || fault::largest_gain(recording, hypotheses) > ratio {
         exam.note_measure(evidence);
         return false;
     }

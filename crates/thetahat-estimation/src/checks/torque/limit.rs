@@ -10,7 +10,7 @@ use crate::{
         examination::{Evidence, Examination, FindingText},
         finding::{Code, Severity},
         fit::{orthogonal_fit::OrthogonalFit, thinned_recording::ThinnedRecording},
-        numbers::{NORMAL_PER_MEDIAN, quantile_abs, rms},
+        numbers::{NORMAL_PER_MEDIAN, correlation, deviation, quantile_abs, rms},
         remedy_step::RemedyStep,
     },
     statistics::quantile,
@@ -32,6 +32,9 @@ const USUAL_ERRORS: f64 = 4.0;
 const GAIN: f64 = 2.0;
 /// Part of the rows for which the fit asks for more that must be at the limit.
 const AT_LIMIT: f64 = 0.8;
+/// Largest slope of the recorded torque over what the fit asks for beyond the extreme value: a clipped torque does not follow. One of
+/// strokes of constant velocity, which that fit misses by the friction of a direction that it has not seen, does.
+const MOST_SLOPE: f64 = 1.0 / 3.0;
 /// Rows at a limit, percent, and fewest of them.
 const LIMIT_PERCENT: f64 = 1.0;
 const FEWEST_ROWS: usize = 5;
@@ -175,11 +178,59 @@ impl Side {
         if count < FEWEST_ROWS || (count as f64) < AT_LIMIT * more.len() as f64 {
             return None;
         }
+        let (torques_beyond, asked_beyond): (Vec<f64>, Vec<f64>) = (0..torque.len())
+            .filter(|&i| asked(i) > 1.0)
+            .map(|i| (self.sign * torque[i] / self.extreme, asked(i)))
+            .unzip();
+        if slope(&torques_beyond, &asked_beyond) > MOST_SLOPE {
+            return None;
+        }
         let most = more.iter().map(|&i| asked(i)).fold(0.0, f64::max);
         let is_limited = |i: usize| asked(i) > 1.0 - CLEAR && is_at_limit(i);
         let around = |i: usize| i.saturating_sub(margin)..(i + margin + 1).min(torque.len());
         let is_limited = (0..torque.len()).map(|i| around(i).any(is_limited)).collect();
         let (value, asked) = (self.extreme, most * self.extreme);
         Some(Limited { joint: self.joint, value, asked, usual_error, count, is_limited })
+    }
+}
+
+/// Slope of `y` over `x`.
+fn slope(y: &[f64], x: &[f64]) -> f64 {
+    correlation(y, x) * deviation(y) / deviation(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use thetahat_testing::noise;
+
+    use super::Side;
+
+    const ROWS: usize = 600;
+    const SIDE: Side = Side { joint: 0, sign: 1.0, extreme: 1.0 };
+
+    fn is_limited(torque: &[f64], asked: &[f64]) -> bool {
+        let is_near: Vec<bool> = torque.iter().map(|t| SIDE.is_near(*t)).collect();
+        SIDE.limited(torque, asked, &is_near, 2).is_some()
+    }
+
+    /// A torque of 1.2 that a drive limits to 1, with noise after it.
+    #[test]
+    fn a_torque_that_stays_at_a_level_while_the_motion_asks_for_more_is_limited() {
+        let mut noise = noise();
+        let asked: Vec<f64> = (0..ROWS).map(|i| 1.2 * (0.05 * i as f64).sin()).collect();
+        let torque: Vec<f64> = asked.iter().map(|asked| asked.min(1.0) + 0.005 * noise()).collect();
+        assert!(is_limited(&torque, &asked));
+    }
+
+    /// Gravity over strokes of constant velocity, to which friction adds: a fit that has not seen the strokes of that direction asks for
+    /// 8 % too much, of a torque that follows it.
+    #[test]
+    fn a_torque_that_follows_what_a_wrong_fit_asks_for_is_not_limited() {
+        let mut noise = noise();
+        let forward = |i: usize| (i / 100).is_multiple_of(2);
+        let torque = |i: usize| if forward(i) { 0.97 + 0.03 * (0.02 * i as f64).sin() } else { -0.5 };
+        let asked: Vec<f64> = (0..ROWS).map(|i| torque(i) + if forward(i) { 0.08 } else { 0.0 }).collect();
+        let torque: Vec<f64> = (0..ROWS).map(|i| torque(i) + 0.005 * noise()).collect();
+        assert!(!is_limited(&torque, &asked));
     }
 }

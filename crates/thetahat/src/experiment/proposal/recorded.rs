@@ -5,7 +5,7 @@ use super::{
     columns,
     offer::{sources, tables},
     request::ProposalRequest,
-    source::SelectedColumn,
+    source::{SelectedColumn, Source},
 };
 use thetahat_data::recording::Contents;
 use thetahat_model::robot::Robot;
@@ -15,8 +15,12 @@ pub(in crate::experiment) fn recorded_positions(contents: &Contents, robot: &Rob
     let request = ProposalRequest { recording_files: vec![contents.file.clone()], ..ProposalRequest::default() };
     let contents = std::slice::from_ref(contents);
     let tables = tables(&request, contents, &[]);
-    let sources = sources(&request, contents, &tables);
-    let Some(source) = sources.first() else { return Vec::new() };
+    let mut all = sources(&request, contents, &tables).into_iter().map(|source| positions_of(&source, robot));
+    all.find(|positions| positions.iter().any(Option::is_some)).unwrap_or_default()
+}
+
+/// The same of one table or topic: a recording split by topics has the torques in another one.
+fn positions_of(source: &Source<'_>, robot: &Robot) -> Vec<Option<(String, [f64; 2])>> {
     let names: Vec<&str> = robot.coordinates().map(|joint| joint.name.as_str()).collect();
     let positions = columns::measured(source, robot, Signal::Position).0;
     let by_name = source.columns_of(&names, &positions);

@@ -120,7 +120,8 @@ fn of_sides() -> Vec<Defect> {
 
 fn of_torques() -> Vec<Defect> {
     use Code::{
-        PoorFit, TorqueIdle, TorqueNoise, TorqueQuantised, TorqueSaturated, TorqueSpikes, WorseThanMean, WrongRobot,
+        Lag, PoorFit, TorqueIdle, TorqueNoise, TorqueQuantised, TorqueSaturated, TorqueSpikes, WorseThanMean,
+        WrongRobot,
     };
     vec![
         Defect {
@@ -156,7 +157,8 @@ fn of_torques() -> Vec<Defect> {
         },
         Defect {
             name: "all torques are those of another motion",
-            codes: &[WorseThanMean, PoorFit, WrongRobot],
+            // Of a motion that nearly repeats, they are those of the same motion at another time.
+            codes: &[WorseThanMean, PoorFit, WrongRobot, Lag],
             unseen: &[],
             apply: |r| {
                 let (torque, shift) = (r.torque.clone(), r.signal.window.len() * 37 / 100);
