@@ -66,6 +66,8 @@ pub enum Code {
     TorqueSaturated,
     /// A torque does not change.
     TorqueConstant,
+    /// The torques of two joints are the same column.
+    TorqueCopied,
     /// The torque's steps are coarse.
     TorqueQuantised,
     /// The torque has outliers.
@@ -146,7 +148,7 @@ impl Code {
     }
 
     /// All codes, in order.
-    pub const ALL: [Self; 44] = [
+    pub const ALL: [Self; 45] = [
         Self::PositionScale,
         Self::PositionSign,
         Self::PositionZero,
@@ -161,6 +163,7 @@ impl Code {
         Self::RateContradicted,
         Self::TorqueSaturated,
         Self::TorqueConstant,
+        Self::TorqueCopied,
         Self::TorqueQuantised,
         Self::TorqueSpikes,
         Self::PositionQuantised,
@@ -211,6 +214,7 @@ impl Code {
             Self::RateContradicted => "rate-contradicted",
             Self::TorqueSaturated => "torque-saturated",
             Self::TorqueConstant => "torque-constant",
+            Self::TorqueCopied => "torque-copied",
             Self::TorqueQuantised => "torque-quantised",
             Self::TorqueSpikes => "torque-spikes",
             Self::PositionQuantised => "position-quantised",

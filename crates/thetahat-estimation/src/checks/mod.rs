@@ -85,6 +85,7 @@ fn examination<'a>(subject: &'a Subject<'a>) -> Examination<'a> {
 fn check_samples(exam: &mut Examination<'_>) {
     time::stamps::check(exam);
     torque::levels::check(exam);
+    torque::copies::check(exam);
     torque::spikes::check(exam);
 }
 

@@ -48,25 +48,27 @@ impl ParameterResult {
         self.standard_deviation_robust.or(self.standard_deviation)
     }
 
-    /// Half of `interval_95`, or 1.96 classical deviations where there is no interval.
+    /// Distance from the estimate to the farther end of `interval_95`, or 1.96 classical deviations where there is no interval. That of free
+    /// estimates is half of it; a physically consistent value can be near an end.
     #[must_use]
-    pub fn half_width(&self) -> Option<f64> {
+    pub fn farther_end(&self) -> Option<f64> {
         let of_deviation = || self.standard_deviation.map(|sd| HALF_WIDTH * sd);
-        self.interval_95.map(|[low, high]| 0.5 * (high - low)).or_else(of_deviation)
+        self.interval_95.map(|[low, high]| (high - self.estimate).max(self.estimate - low)).or_else(of_deviation)
     }
 
     /// `interval_95`, or the estimate with 1.96 classical deviations on either side where there is no interval.
     #[must_use]
     pub fn interval(&self) -> Option<[f64; 2]> {
         let about = |half: f64| [self.estimate - half, self.estimate + half];
-        self.interval_95.or_else(|| self.half_width().map(about))
+        self.interval_95.or_else(|| self.farther_end().map(about))
     }
 
     /// Its grade by its interval alone.
     pub(super) fn grade_of_interval(&self) -> Grade {
-        match self.half_width() {
-            Some(half) if half <= PRECISE * self.estimate.abs() => Grade::Precise,
-            Some(half) if half < self.estimate.abs() => Grade::Rough,
+        let has_sign = |[low, high]: [f64; 2]| (low * self.estimate).min(high * self.estimate) > 0.0;
+        match self.farther_end().zip(self.interval()) {
+            Some((half, _)) if half <= PRECISE * self.estimate.abs() => Grade::Precise,
+            Some((_, interval)) if has_sign(interval) => Grade::Rough,
             Some(_) | None => Grade::NotIdentified,
         }
     }
@@ -80,7 +82,7 @@ impl RunResult {
             return Grade::Impossible;
         }
         let grade = parameter.grade_of_interval();
-        let Some((shift, half)) = self.may_be_moved(parameter).zip(parameter.half_width()) else { return grade };
+        let Some((shift, half)) = self.may_be_moved(parameter).zip(parameter.farther_end()) else { return grade };
         if shift + half >= parameter.estimate.abs() { Grade::NotIdentified } else { grade.max(Grade::Rough) }
     }
 
@@ -89,7 +91,7 @@ impl RunResult {
     pub(crate) fn may_be_moved(&self, parameter: &ParameterResult) -> Option<f64> {
         let seen = self.hidden_bias.iter().filter(|b| b.is_seen());
         let shifts = seen.filter_map(|b| Some((b.deviations_of(&parameter.name)? * parameter.deviation()?).abs()));
-        let least = (PRECISE * parameter.estimate.abs()).max(parameter.half_width()?);
+        let least = (PRECISE * parameter.estimate.abs()).max(parameter.farther_end()?);
         shifts.max_by(f64::total_cmp).filter(|shift| *shift > least)
     }
 

@@ -131,6 +131,7 @@ fn concern(code: Code) -> Concern {
         | Code::RateContradicted
         | Code::ExternalForce
         | Code::TorqueSaturated
+        | Code::TorqueCopied
         | Code::RecordingsContradict => Concern::All,
         Code::TorqueConstant
         | Code::TorqueIdle

@@ -147,7 +147,7 @@ impl Bounded<'_> {
         let of = |(p, per_unit): (&ParameterResult, &f64)| {
             let deviation = p.standard_deviation_robust.filter(|deviation| *deviation > 0.0)?;
             let moved = MovedParameter { parameter: p.name.clone(), deviations: per_unit * largest / deviation };
-            let beyond = p.half_width().is_some_and(|half| (per_unit * largest).abs() > half);
+            let beyond = p.farther_end().is_some_and(|half| (per_unit * largest).abs() > half);
             Some((moved, beyond))
         };
         let mut moved: Vec<_> = self.run.parameters.iter().zip(per_unit).filter_map(of).collect();

@@ -556,7 +556,7 @@ fn without_consistent_estimate(mut results: Results) -> Results {
 #[test]
 fn what_is_known_holds_in_exports_samples_and_their_covariance() {
     let free = two_joint().runs[0].parameter("fv1").unwrap();
-    let given = free.estimate + 0.3 * free.half_width().unwrap();
+    let given = free.estimate + 0.3 * free.farther_end().unwrap();
     // A friction that a data sheet gives, and a link that is symmetric.
     let with = two_joint_with(&format!(
         "[parameters]\nphysical = true\n[[parameters.known]]\nkind = \"parameter\"\nname = \"fv1\"\nvalue = {given}\n\

@@ -38,7 +38,7 @@ pub const LINK_QUANTITIES: [(&str, &str); 3] = [
 ];
 
 /// Code, severities, evidence, and what to do.
-pub const FINDINGS: [[&str; 4]; 44] = [
+pub const FINDINGS: [[&str; 4]; 45] = [
     [
         "position-scale",
         "problem",
@@ -122,6 +122,12 @@ pub const FINDINGS: [[&str; 4]; 44] = [
         "problem, note",
         "a torque that never changes; a note where no parameter depends on it, or the motion shows that nothing drives the joint",
         "check the torque's column",
+    ],
+    [
+        "torque-copied",
+        "problem",
+        "a torque that is a multiple of another joint's at every sample, to 1e-7 of its span",
+        "check the torque columns of both joints",
     ],
     [
         "torque-quantised",

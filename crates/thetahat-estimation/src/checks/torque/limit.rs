@@ -24,10 +24,11 @@ const NEAR: f64 = 0.85;
 const MOST_NEAR: f64 = 0.5;
 /// Least extreme value on one side, part of that on the other: a limit is the same on both.
 const LEAST_SIDE: f64 = 0.3;
-/// Distance from the extreme value within which rows are at a limit, and beyond which the fit must ask for more, part of it. Four usual
-/// errors of the fit must be smaller.
+/// Distance from the extreme value within which rows are at a limit, and beyond which the fit must ask for more, part of it; at least four
+/// usual errors of the fit, which must not be more than this part.
 const CLEAR: f64 = 0.05;
 const USUAL_ERRORS: f64 = 4.0;
+const MOST_CLEAR: f64 = 0.25;
 /// Error of the fit to all rows over the usual error of the fit to the other rows: with less, that fit is wrong at the extreme.
 const GAIN: f64 = 2.0;
 /// Part of the rows for which the fit asks for more that must be at the limit.
@@ -168,12 +169,13 @@ impl Side {
     fn limited(&self, torque: &[f64], asked: &[f64], is_near: &[bool], margin: usize) -> Option<Limited> {
         let others = (0..torque.len()).filter(|&i| !is_near[i]).map(|i| torque[i] - asked[i]);
         let usual_error = NORMAL_PER_MEDIAN * quantile_abs(others, 0.5);
-        if USUAL_ERRORS * usual_error > CLEAR * self.extreme {
+        let clear = CLEAR.max(USUAL_ERRORS * usual_error / self.extreme);
+        if clear > MOST_CLEAR {
             return None;
         }
         let asked = |i: usize| self.sign * asked[i] / self.extreme;
         let is_at_limit = |i: usize| (self.sign * torque[i] / self.extreme - 1.0).abs() < CLEAR;
-        let more: Vec<usize> = (0..torque.len()).filter(|&i| asked(i) > 1.0 + CLEAR).collect();
+        let more: Vec<usize> = (0..torque.len()).filter(|&i| asked(i) > 1.0 + clear).collect();
         let count = more.iter().filter(|i| is_at_limit(**i)).count();
         if count < FEWEST_ROWS || (count as f64) < AT_LIMIT * more.len() as f64 {
             return None;

@@ -104,7 +104,7 @@ fn runs(results: &Results, width: TextWidth) -> String {
 fn estimates(run: &RunResult, of: &str, width: TextWidth) -> String {
     let is_regrouped = run.parameters.iter().any(|p| p.name.ends_with('r'));
     let regrouped = if is_regrouped { " (r: sum with others)" } else { "" };
-    let head = format!("Estimates of {of} \u{b1} half of the 95 % interval{regrouped}");
+    let head = format!("Estimates of {of} \u{b1} to the farther end of the 95 % interval{regrouped}");
     let mut text = wrap(&head, "", width);
     let (moved, wide): (Vec<_>, Vec<_>) = run.graded(Grade::Rough).partition(|p| run.may_be_moved(p).is_some());
     for (grade, what, known) in [
@@ -129,7 +129,7 @@ fn estimates(run: &RunResult, of: &str, width: TextWidth) -> String {
     text + &held.map_or_else(String::new, |line| wrap(&line, "  ", width))
 }
 
-/// Name, value, half width and unit of each parameter, in columns of the same width, and its possible shift.
+/// Name, value, distance to the farther end of the interval and unit of each parameter, in columns of the same width, and its possible shift.
 fn cells(run: &RunResult, parameters: &[&ParameterResult]) -> Vec<String> {
     let texts: Vec<[String; 5]> = parameters.iter().map(|p| texts(run, p)).collect();
     let widest = |c: usize| texts.iter().map(|t| t[c].chars().count()).max().unwrap_or(0);
@@ -139,7 +139,7 @@ fn cells(run: &RunResult, parameters: &[&ParameterResult]) -> Vec<String> {
 }
 
 fn texts(run: &RunResult, p: &ParameterResult) -> [String; 5] {
-    let half = p.half_width();
+    let half = p.farther_end();
     let width = half.map_or_else(|| NONE.to_owned(), |half| estimate(half, Some(half)));
     let moved = run.may_be_moved(p).map(|shift| format!(", by {}", number::significant(shift, 2))).unwrap_or_default();
     [visible(&p.name).into_owned(), estimate(p.estimate, half), width, p.unit.clone(), moved]

@@ -66,10 +66,10 @@ fn values(old: &RunResult, new: &RunResult, width: TextWidth) -> String {
     let mut moved: Vec<(f64, String)> = Vec::new();
     for after in &new.parameters {
         let Some(before) = old.parameter(&after.name) else { continue };
-        let half = before.half_width().unwrap_or(0.0).hypot(after.half_width().unwrap_or(0.0));
+        let half = before.farther_end().unwrap_or(0.0).hypot(after.farther_end().unwrap_or(0.0));
         let far = (after.estimate - before.estimate).abs() / half;
         if half > 0.0 && far > 1.0 {
-            let [was, is] = [before, after].map(|p| estimate(p.estimate, p.half_width()));
+            let [was, is] = [before, after].map(|p| estimate(p.estimate, p.farther_end()));
             moved.push((far, format!("{} {is} {}, before {was}", after.name, after.unit)));
         }
     }

@@ -79,16 +79,26 @@ impl ModelColumns {
         all
     }
 
-    /// The columns of a joint that a transition has, in the order of the base parameters, and y.
-    pub(crate) fn of_law(&self, joint: usize, transition: usize) -> Vec<usize> {
-        let all = self.of_joint(joint);
-        let is_own = |&(t, column): &(usize, usize)| {
-            if self.changing.contains(&column) { t == transition } else { t == 0 }
-        };
-        let mut own: Vec<usize> = (0..all.len()).filter(|&place| is_own(&all[place])).collect();
-        own.sort_by_key(|&place| all[place].1);
-        own.push(all.len());
-        own
+    /// Columns of a joint as a law has them, in the order of the base parameters: one that changes with the transition is the sum of those
+    /// of all transitions with these weights. That of y, and what follows it, stays.
+    pub(crate) fn of_law(&self, joint: usize, weights: &[f64], all: &Matrix) -> Matrix {
+        let places = self.of_joint(joint);
+        let mut own: Vec<usize> = self.acting[joint].clone();
+        own.sort_unstable();
+        let after = places.len()..all.columns();
+        let mut of_law = Matrix::zeros(all.rows(), own.len() + after.len());
+        for (k, column) in own.iter().enumerate() {
+            let changes = self.changing.contains(column);
+            for (place, (transition, _)) in places.iter().enumerate().filter(|(_, (_, other))| other == column) {
+                let weight = if changes { weights[*transition] } else { 1.0 };
+                let sums = of_law.column_mut(k).iter_mut();
+                sums.zip(all.column(place)).for_each(|(sum, value)| *sum += weight * value);
+            }
+        }
+        for (k, place) in after.enumerate() {
+            of_law.column_mut(own.len() + k).copy_from_slice(all.column(place));
+        }
+        of_law
     }
 }
 
@@ -115,7 +125,14 @@ mod tests {
     fn a_law_has_the_columns_of_its_transition() {
         let columns = ModelColumns::new(vec![vec![0, 2, 3], vec![1, 3]], vec![2], [3, 4]);
         assert_eq!(columns.of_joint(0), [(0, 0), (0, 2), (0, 3), (1, 2), (2, 2)]);
-        assert_eq!([0, 1, 2].map(|t| columns.of_law(0, t)), [[0, 1, 2, 5], [0, 3, 2, 5], [0, 4, 2, 5]]);
-        assert_eq!((columns.count(0), columns.count(1), columns.of_law(1, 2)), (6, 3, vec![0, 1, 2]));
+        assert_eq!([columns.count(0), columns.count(1)], [6, 3]);
+        let of_law = |joint: usize, weights: [f64; 3], values: &[f64]| {
+            columns.of_law(joint, &weights, &Matrix::from_columns(1, values.to_vec())).into_values()
+        };
+        let first = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+        assert_eq!(of_law(0, [1.0, 0.0, 0.0], &first), [1.0, 2.0, 3.0, 6.0]);
+        assert_eq!(of_law(0, [0.0, 0.0, 1.0], &first), [1.0, 5.0, 3.0, 6.0]);
+        assert_eq!(of_law(0, [0.0, 0.5, 0.5], &first), [1.0, 4.5, 3.0, 6.0]);
+        assert_eq!(of_law(1, [0.0, 0.0, 1.0], &[1.0, 2.0, 3.0, 4.0]), [1.0, 2.0, 3.0, 4.0]);
     }
 }

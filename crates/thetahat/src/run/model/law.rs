@@ -4,6 +4,7 @@ use super::{columns::ModelColumns, law_factors::LawFactors, rows::ModelRows};
 use thetahat_model::{base_parameters::BaseParameters, consistency::ConsistentSet, robot::TermDescription};
 
 /// A law of friction: a transition of the robot as described, or one with more torque terms.
+#[derive(Clone, Copy)]
 pub(super) struct Law<'a> {
     pub(super) set: &'a ConsistentSet,
     pub(super) base: &'a BaseParameters,

@@ -25,16 +25,27 @@ impl ModelData {
 
     /// The rows of each transition.
     pub(super) fn laws(&self) -> Vec<LawFactors> {
-        let folds = self.folds();
-        (0..self.columns.transitions()).map(|transition| LawFactors::new(self, transition, folds)).collect()
+        let transitions = self.columns.transitions();
+        let only = |own: usize| -> Vec<f64> { (0..transitions).map(|t| if t == own { 1.0 } else { 0.0 }).collect() };
+        (0..transitions).map(|transition| self.law(&only(transition))).collect()
+    }
+
+    /// The rows of the sum of all transitions with these weights.
+    pub(super) fn law(&self, weights: &[f64]) -> LawFactors {
+        LawFactors::new(self, weights, self.folds())
     }
 }
 
 impl ModelData {
-    /// The rows where the sign of friction is settled for a transition, stretch by stretch, with the errors of each joint divided by
-    /// its deviation.
-    pub(super) fn settled(&self, transition: usize, transitions: &[f64], deviations: &[f64]) -> Regression {
-        let smaller = transitions.iter().filter(|other| **other < transitions[transition]).count();
+    /// The rows where the sign of friction is settled for all of `transitions` up to one, of which the columns are sums with these shares,
+    /// stretch by stretch, with the errors of each joint divided by its deviation.
+    pub(super) fn settled(
+        &self,
+        (transition, shares): (f64, &[f64]),
+        transitions: &[f64],
+        deviations: &[f64],
+    ) -> Regression {
+        let smaller = transitions.iter().filter(|other| **other < transition).count();
         let (joints, parameters) = (self.columns.joints(), self.columns.parameters());
         let mut parts: Vec<Matrix> = Vec::new();
         let (mut layout, mut weights) = (RowLayout::empty(joints, self.recordings.len()), Vec::new());
@@ -45,7 +56,7 @@ impl ModelData {
             for (stretch, joint) in (0..stretches).flat_map(|s| (0..joints).map(move |j| (s, j))) {
                 let own = of_law.clone().filter(|rows| rows.stretch == stretch && rows.joint == joint);
                 for rows in own {
-                    let factor = rows.factor.select_columns(&self.columns.of_law(joint, transition));
+                    let factor = self.columns.of_law(joint, shares, &rows.factor);
                     layout.push(BlockKey { joint, recording, stretch: first + stretch }, factor.rows());
                     weights.extend(vec![weight / deviations[joint]; factor.rows()]);
                     represented[joint] += rows.rows as f64;
@@ -118,9 +129,8 @@ pub(super) struct Stacked {
 }
 
 impl LawFactors {
-    fn new(data: &ModelData, transition: usize, folds: ModelFolds) -> Self {
+    fn new(data: &ModelData, weights: &[f64], folds: ModelFolds) -> Self {
         let joints = data.columns.joints();
-        let of_law: Vec<Vec<usize>> = (0..joints).map(|joint| data.columns.of_law(joint, transition)).collect();
         let mut joined: BTreeMap<BlockPlace, (usize, Vec<Matrix>)> = BTreeMap::new();
         let mut correlated = Vec::new();
         for (k, (weight, factors)) in data.recordings.iter().enumerate() {
@@ -129,9 +139,10 @@ impl LawFactors {
                 let key = (cell.joint, part, cell.is_near_rest, weight.to_bits());
                 let (rows, all) = joined.entry(key).or_default();
                 *rows += cell.rows;
-                all.push(cell.factor.select_columns(&of_law[cell.joint]));
+                all.push(data.columns.of_law(cell.joint, weights, &cell.factor));
             }
-            correlated.extend((0..joints).map(|joint| Correlated::new(factors, joint, &of_law[joint])));
+            let of_law = |joint: usize, all: &Matrix| data.columns.of_law(joint, weights, all);
+            correlated.extend((0..joints).map(|joint| Correlated::new(factors, joint, of_law)));
         }
         let block = |((joint, part, is_near_rest, weight), (rows, all)): (BlockPlace, (usize, Vec<Matrix>))| {
             let factor = Matrix::stack(&all.iter().collect::<Vec<_>>()).triangular_factor();
@@ -244,21 +255,19 @@ impl Repeated {
 }
 
 impl Correlated {
-    fn new(factors: &ModelFactors, joint: usize, of_law: &[usize]) -> Self {
-        let moving_sums = &factors.moving_sums[joint];
-        let with_ones: Vec<usize> = of_law.iter().copied().chain([moving_sums.columns() - 1]).collect();
+    fn new(factors: &ModelFactors, joint: usize, of_law: impl Fn(usize, &Matrix) -> Matrix) -> Self {
         let repeated = |found: &RepeatedRows| {
             let own = factors.cells.iter().filter(|cell| cell.joint == joint).map(|cell| &cell.factor);
-            let all = Matrix::stack(&own.collect::<Vec<_>>()).select_columns(of_law).triangular_factor();
-            let sums = found.factors[joint].select_columns(of_law);
-            Repeated { period: found.period, pairs: found.pairs, sums, all }
+            let all = of_law(joint, &Matrix::stack(&own.collect::<Vec<_>>())).triangular_factor();
+            Repeated { period: found.period, pairs: found.pairs, sums: of_law(joint, &found.factors[joint]), all }
         };
+        let sums = Matrix::from_columns(1, factors.sums[joint].clone());
         Self {
             joint,
             rows: factors.rows,
             span: factors.span,
-            sums: of_law.iter().map(|&c| factors.sums[joint][c]).collect(),
-            moving_sums: moving_sums.select_columns(&with_ones),
+            sums: of_law(joint, &sums).into_values(),
+            moving_sums: of_law(joint, &factors.moving_sums[joint]),
             repeated: factors.repeated.as_ref().map(repeated),
         }
     }

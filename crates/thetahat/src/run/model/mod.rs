@@ -25,6 +25,7 @@ mod parts;
 mod reduced;
 mod result;
 mod rows;
+mod transition;
 mod variant;
 mod whitened;
 
@@ -49,6 +50,7 @@ use law::Law;
 use result::ChosenLaw;
 use thetahat_ground::clock::Stopwatch;
 use thetahat_report::results::{CauseKind, ModelCause, ModelResult, RunResult};
+use transition::Refinement;
 use variant::{Variant, WithTerms};
 
 /// The model, or why there is none.
@@ -69,7 +71,7 @@ impl Identification {
             Err(why) => return Ok(Err(why)),
         };
         let mut variants = vec![described];
-        let Some(choice) = self.choose(&variants, SearchedLaws::default()) else {
+        let Some(choice) = self.choose(&mut variants)? else {
             return Ok(Err("the rows determine no physically consistent robot".to_owned()));
         };
         let is_stated = self.setup().settings.model.is_stated();
@@ -82,7 +84,7 @@ impl Identification {
             variants.extend(Variant::new(identification, problem, terms, &[model.friction_transition])?.ok());
         }
         if !tried.is_empty()
-            && let Some(choice) = self.choose(&variants, choice.found)
+            && let Some(choice) = self.best_of(&variants, choice.found)
         {
             let described = std::mem::take(&mut model.causes);
             model = law_of(&variants, choice.law).model(&choice, runs, FrictionEvidence::AfterTerms)?;
@@ -92,8 +94,24 @@ impl Identification {
         Ok(Ok(model))
     }
 
+    /// The best law of the robot as described, of which one with a velocity between those tried first may be added.
+    fn choose(&self, variants: &mut Vec<Variant>) -> Result<Option<Choice>, PreparationError> {
+        let Some(choice) = self.best_of(variants, SearchedLaws::default()) else { return Ok(None) };
+        let mut refinement = Refinement::of(variants[0].laws(), &choice);
+        let mut refined = None;
+        while let Some(transition) = refinement.next() {
+            let variant = variants[0].with_transition(transition)?;
+            if variant.laws().any(|law| refinement.add(&law)) {
+                refined = Some(variant);
+            }
+        }
+        let Some(refined) = refined else { return Ok(Some(choice)) };
+        variants.push(refined);
+        Ok(self.best_of(variants, choice.found))
+    }
+
     /// The law and the weight that predict best what is left out.
-    fn choose(&self, variants: &[Variant], found: SearchedLaws) -> Option<Choice> {
+    fn best_of(&self, variants: &[Variant], found: SearchedLaws) -> Option<Choice> {
         let laws: Vec<Law> = variants.iter().flat_map(Variant::laws).collect();
         let (weights, kinds) = (weights(self.setup()), kinds(self.setup()));
         let choosing = Choosing { laws: &laws, weights: &weights, folds: variants[0].folds(), kinds: &kinds };

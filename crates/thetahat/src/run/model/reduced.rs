@@ -5,14 +5,17 @@ use super::{
     candidates::{kinds, transitions, weights},
     causes::FoundCauses,
     choice::{Choosing, SearchedLaws},
+    columns::ModelColumns,
     intervals::Intervals,
     joints::Covered,
     law::Law,
-    law_factors::ModelData,
+    law_factors::{LawFactors, ModelData},
     result::FittedLaw,
+    transition::{Refinement, weights_between},
 };
 use crate::preparation::{Problem, Setup};
 use thetahat_ground::{clock::Stopwatch, pool::available_threads};
+use thetahat_model::{base_parameters::BaseParameters, consistency::ConsistentSet};
 use thetahat_report::results::{ModelResult, RunResult};
 
 /// The model of the robot as described, or why there is none; `truth` holds the true base parameters of twins. What only samples show
@@ -29,15 +32,30 @@ pub(in crate::run) fn model_of_factors(
     let mean_position = data.recordings.first().map_or(&[][..], |(_, first)| &first.mean_position);
     let beliefs = beliefs(setup, problem, (&factors[0], mean_position), set);
     let set = &set.clone().with_beliefs(beliefs).map_err(|e| e.to_string())?;
-    let law = |(factors, transition)| Law { set, base, columns, factors, rows: None, transition, terms: &[] };
+    let described = Described { set, base, columns };
     let transitions = transitions(setup);
-    let laws: Vec<Law> = factors.iter().zip(transitions.iter().copied()).map(law).collect();
-    let (weights, kinds) = (weights(setup), kinds(setup));
-    let choosing = Choosing { laws: &laws, weights: &weights, folds: data.folds(), kinds: &kinds };
-    let choice = choosing.choose(available_threads(), SearchedLaws::default());
-    let choice = choice.ok_or("the rows determine no physically consistent robot")?;
+    let mut laws: Vec<Law> = factors.iter().zip(&transitions).map(|(factors, v)| described.law(factors, *v)).collect();
+    let (weights, kinds, folds) = (weights(setup), kinds(setup), data.folds());
+    let choose = |laws: &[Law], found: SearchedLaws| {
+        let choosing = Choosing { laws, weights: &weights, folds, kinds: &kinds };
+        choosing.choose(available_threads(), found).ok_or("the rows determine no physically consistent robot")
+    };
+    let mut choice = choose(&laws, SearchedLaws::default())?;
+    let mut refinement = Refinement::of(laws.iter().copied(), &choice);
+    let mut refined = None;
+    while let Some(transition) = refinement.next() {
+        let found = data.law(&weights_between(&transitions, transition));
+        if refinement.add(&described.law(&found, transition)) {
+            refined = Some((found, transition));
+        }
+    }
+    if let Some((factors, transition)) = &refined {
+        laws.push(described.law(factors, *transition));
+        choice = choose(&laws, choice.found)?;
+    }
     let Law { transition, factors, .. } = laws[choice.law];
-    let settled = data.settled(choice.law, &transitions, &choice.deviations);
+    let shares = weights_between(&transitions, transition);
+    let settled = data.settled((transition, &shares), &transitions, &choice.deviations);
     let fitted = FittedLaw { setup, base, set, terms: &[], transition, factors, truth };
     let model = fitted.result(
         &choice,
@@ -46,4 +64,18 @@ pub(in crate::run) fn model_of_factors(
         &Covered::of_factors(data),
     );
     Ok(ModelResult { seconds: stopwatch.seconds(), ..model })
+}
+
+/// The robot as described.
+struct Described<'a> {
+    set: &'a ConsistentSet,
+    base: &'a BaseParameters,
+    columns: &'a ModelColumns,
+}
+
+impl Described<'_> {
+    fn law<'a>(&'a self, factors: &'a LawFactors, transition: f64) -> Law<'a> {
+        let Self { set, base, columns } = *self;
+        Law { set, base, columns, factors, rows: None, transition, terms: &[] }
+    }
 }

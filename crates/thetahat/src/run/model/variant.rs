@@ -75,6 +75,15 @@ impl<'a> Variant<'a> {
         }
     }
 
+    /// The same with another velocity at which friction changes its sign, and no other.
+    pub(super) fn with_transition(&self, transition: f64) -> Result<Self, PreparationError> {
+        let Self { identification, problem, terms, .. } = *self;
+        let rows = vec![(transition, self.rows[0].1.with_transition(identification, problem, transition)?)];
+        let data = data_of_rows(identification.setup(), &identification.main, problem, &rows);
+        let factors = data.laws();
+        Ok(Self { identification, problem, set: self.set.clone(), terms, rows, data, factors })
+    }
+
     pub(super) fn folds(&self) -> ModelFolds {
         self.data.folds()
     }

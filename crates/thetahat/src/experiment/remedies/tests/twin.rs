@@ -191,7 +191,7 @@ pub(super) fn largest_difference(results: &Results, clean: &Results) -> f64 {
     assert_eq!(run.parameters.len(), clean.parameters.len());
     let difference = |p: &thetahat_report::results::ParameterResult| {
         let found = run.parameter(&p.name).map_or(f64::INFINITY, |own| own.estimate);
-        (found - p.estimate).abs() / p.half_width().expect("an interval")
+        (found - p.estimate).abs() / p.farther_end().expect("an interval")
     };
     clean.parameters.iter().map(difference).fold(0.0, f64::max)
 }

@@ -11,7 +11,7 @@ use thetahat_estimation::{
     signal::{Derivative, Motion, Padding, SecondOrderSections, zero_phase},
     statistics::median,
 };
-use thetahat_ground::{pool::in_parallel, series::Series};
+use thetahat_ground::{pool::in_parallel, series::Series, vector::IDENTITY};
 use thetahat_model::{
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     robot::{INERTIAL, JointKind, Quantity, Robot},
@@ -261,7 +261,7 @@ impl<'a> Torques<'a> {
             Tried::Gear(j) => (CauseKind::GearRatio, joint(j), ""),
             Tried::DriveGain(j) => (CauseKind::DriveGain, joint(j), ""),
             Tried::Elastic(j) => (CauseKind::Elasticity, joint(j), "rad/(N m)"),
-            Tried::Length(k, axis) => (CauseKind::Length, format!("link {k} along {}", AXES[axis]), "m"),
+            Tried::Length(k, axis) => (CauseKind::Length, self.place_of(k, axis), "m"),
             Tried::Coupling(j) => (CauseKind::Coupling, format!("joints {} and {}", j + 1, j + 2), ""),
             Tried::Gravity(axis) => (CauseKind::GravityDirection, format!("about {}", AXES[axis]), "rad"),
             Tried::Crosstalk([from, into]) => {
@@ -356,9 +356,18 @@ impl<'a> Torques<'a> {
         })
     }
 
+    /// A length as a description states it: the origin of a joint in the axes of the link that carries it.
+    fn place_of(&self, joint: usize, axis: usize) -> String {
+        let link = self.robot.joints[joint].parent.map_or(0, |parent| parent + 1);
+        format!("link {link} along {} (origin of joint {})", AXES[axis], joint + 1)
+    }
+
     fn length(&self, joint: usize, axis: usize) -> Option<Vec<f64>> {
         let mut robot = self.robot.clone();
-        robot.joints[joint].placement.origin[axis] += STEP;
+        let axes_of = |parent: usize| robot.joints[parent].link_axes;
+        let axes = robot.joints[joint].parent.and_then(axes_of).unwrap_or(IDENTITY);
+        let origin = &mut robot.joints[joint].placement.origin;
+        origin.iter_mut().zip(&axes).for_each(|(coordinate, row)| *coordinate += STEP * row[axis]);
         let model = Model::new(&robot);
         self.difference(STEP, |r| self.of(&model, self.standard, &r.motion, r))
     }
