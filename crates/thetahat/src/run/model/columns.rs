@@ -79,8 +79,8 @@ impl ModelColumns {
         all
     }
 
-    /// Columns of a joint as a law has them, in the order of the base parameters: one that changes with the transition is the sum of those
-    /// of all transitions with these weights. That of y, and what follows it, stays.
+    /// Columns of a joint as a law has them, in the order of the base parameters: for one that changes with the transition, the columns
+    /// of all transitions are summed with these weights. That of y, and what follows it, stays.
     pub(crate) fn of_law(&self, joint: usize, weights: &[f64], all: &Matrix) -> Matrix {
         let places = self.of_joint(joint);
         let mut own: Vec<usize> = self.acting[joint].clone();

@@ -42,7 +42,7 @@ impl<'c> Refinement<'c> {
         refinement
     }
 
-    /// The velocity to try next; none where the best is found, or is not between two others.
+    /// The velocity to try next, until the best is found; only a best between two others can be refined.
     pub(super) fn next(&mut self) -> Option<f64> {
         self.steps += 1;
         self.tried.sort_by(|a, b| a.ln_v.total_cmp(&b.ln_v));
@@ -71,7 +71,7 @@ fn with_digits(v: f64) -> f64 {
     (v / step).round() * step
 }
 
-/// The vertex of the parabola through the best and its neighbours, or the middle to a distant one; none where it is next to the best.
+/// The vertex of the parabola through the best and its neighbours, or the middle to a distant one; none if it is next to the best.
 fn next(tried: &[Tried]) -> Option<f64> {
     let best = (0..tried.len()).min_by(|a, b| tried[*a].objective.total_cmp(&tried[*b].objective))?;
     let (before, after) = (tried.get(best.checked_sub(1)?)?, tried.get(best + 1)?);
