@@ -51,11 +51,13 @@ pub enum CauseKind {
     TorqueRipple,
     /// The positions of a joint are turned or moved from some instant on: an encoder, a coupling or a belt slips.
     ZeroShift,
+    /// The positions of a joint are recorded late, or early if the delay is negative.
+    LatePosition,
 }
 
 impl CauseKind {
     /// All kinds.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::LateTorque,
         Self::EncoderZero,
         Self::GearRatio,
@@ -76,6 +78,7 @@ impl CauseKind {
         Self::GainDrift,
         Self::TorqueRipple,
         Self::ZeroShift,
+        Self::LatePosition,
     ];
 
     /// What it is, in words.
@@ -102,6 +105,7 @@ impl CauseKind {
             Self::GainDrift => "a drive gain that changes with time",
             Self::TorqueRipple => "torque ripple",
             Self::ZeroShift => "an encoder zero that changes",
+            Self::LatePosition => "positions that are late",
         }
     }
 
@@ -127,7 +131,8 @@ impl CauseKind {
             | Self::JointSpring
             | Self::AsymmetricFriction
             | Self::GainDrift
-            | Self::TorqueRipple => format!("{} of {subject}", self.words()),
+            | Self::TorqueRipple
+            | Self::LatePosition => format!("{} of {subject}", self.words()),
         }
     }
 }

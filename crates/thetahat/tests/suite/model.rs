@@ -126,6 +126,19 @@ fn late_torques_are_named_with_their_delay() {
     assert!(size > 0.0 && size < 1.2 * delay_s, "{size} s of {delay_s}");
 }
 
+/// Fifty samples late, 10 ms at 5 kHz, those of joint 2 alone.
+#[test]
+fn late_positions_of_a_joint_are_named_with_their_delay() {
+    let clean = recording();
+    let mut position = clean.position.clone();
+    for k in 0..position.len() {
+        position.sample_mut(k)[1] = clean.position.sample(k.saturating_sub(50))[1];
+    }
+    let causes = model(&identify(Recording { position, ..clean })).causes.clone();
+    let size = size_of(&causes, CauseKind::LatePosition, "joint 2");
+    assert!((size - 0.01).abs() < 0.003, "{causes:?}");
+}
+
 /// The causes of a recording whose torques were changed, sample by sample.
 fn causes_of(change: impl Fn(&[f64], &mut [f64])) -> Vec<ModelCause> {
     let clean = recording();

@@ -104,7 +104,7 @@ fn runs(results: &Results, width: TextWidth) -> String {
 fn estimates(run: &RunResult, of: &str, width: TextWidth) -> String {
     let is_regrouped = run.parameters.iter().any(|p| p.name.ends_with('r'));
     let regrouped = if is_regrouped { " (r: sum with others)" } else { "" };
-    let head = format!("Estimates of {of} \u{b1} to the farther end of the 95 % interval{regrouped}");
+    let head = format!("Estimates of {of} \u{b1} farther end of the 95 % interval{regrouped}");
     let mut text = wrap(&head, "", width);
     let (moved, wide): (Vec<_>, Vec<_>) = run.graded(Grade::Rough).partition(|p| run.may_be_moved(p).is_some());
     for (grade, what, known) in [

@@ -145,7 +145,8 @@ fn cause(results: &Results, found: &ModelCause) -> Option<VerdictReason> {
         | CauseKind::AsymmetricFriction
         | CauseKind::GainDrift
         | CauseKind::TorqueRipple
-        | CauseKind::ZeroShift => Verdict::Care,
+        | CauseKind::ZeroShift
+        | CauseKind::LatePosition => Verdict::Care,
     };
     let size = found.size_in_words().map(|size| format!(", {size}")).unwrap_or_default();
     let rivals = match found.rivals.as_slice() {
@@ -208,6 +209,7 @@ fn remedy(results: &Results, found: &ModelCause) -> String {
         CauseKind::TorqueRipple => {
             "add a [[term]] of kind motor-harmonics; its harmonics are multiples of the motor's angle".to_owned()
         }
+        CauseKind::LatePosition => "record the positions of all joints at the same instants".to_owned(),
         CauseKind::ZeroShift => "cut the recording there, and check the encoder and what turns it".to_owned(),
         CauseKind::AsymmetricFriction => "add a [[term]] of kind asymmetric-viscous".to_owned(),
         CauseKind::JointSpring => "add a [[term]] of kind joint-spring, if a spring or a cable acts there".to_owned(),

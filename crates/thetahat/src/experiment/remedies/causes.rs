@@ -29,6 +29,7 @@ fn of_cause(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
         CauseKind::EncoderZero
         | CauseKind::OffsetDrift
         | CauseKind::Elasticity
+        | CauseKind::LatePosition
         | CauseKind::Length
         | CauseKind::Coupling
         | CauseKind::SpeedFriction

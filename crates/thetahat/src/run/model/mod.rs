@@ -140,7 +140,8 @@ fn add_causes_in_model(model: &mut ModelResult, described: Vec<ModelCause>) {
         | CauseKind::AsymmetricFriction
         | CauseKind::GainDrift
         | CauseKind::TorqueRipple
-        | CauseKind::ZeroShift => false,
+        | CauseKind::ZeroShift
+        | CauseKind::LatePosition => false,
     };
     if model.terms.is_empty() {
         return;

@@ -11,8 +11,6 @@ const STEPS: usize = 6;
 const LEAST_STEP: f64 = 0.03;
 /// Distance of ln v between neighbours beyond which the objective is no parabola: the middle is tried.
 const WIDE: f64 = 0.7;
-/// Digits of v after the first.
-const DIGITS: f64 = 2.0;
 /// Part of the distance to a neighbour that a step keeps from it.
 const CLEAR: f64 = 0.1;
 /// Accuracy of the objectives that are compared.
@@ -65,10 +63,9 @@ impl<'c> Refinement<'c> {
     }
 }
 
-/// A number of as many digits as the steps decide: the last one does not depend on the rounding of fits.
+/// A number of three digits, as many as the steps decide: it does not depend on the rounding of fits.
 fn with_digits(v: f64) -> f64 {
-    let step = 10_f64.powf(v.log10().floor() - DIGITS);
-    (v / step).round() * step
+    format!("{v:.2e}").parse().unwrap_or(v)
 }
 
 /// The vertex of the parabola through the best and its neighbours, or the middle to a distant one; none if it is next to the best.

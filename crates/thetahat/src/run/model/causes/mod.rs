@@ -196,7 +196,8 @@ impl Search<'_> {
             CauseKind::Elasticity
             | CauseKind::FrictionDrift
             | CauseKind::AsymmetricFriction
-            | CauseKind::TorqueRipple => true,
+            | CauseKind::TorqueRipple
+            | CauseKind::LatePosition => true,
             CauseKind::LoadFriction | CauseKind::SpeedFriction => self.friction == FrictionEvidence::AfterTerms,
             CauseKind::LateTorque
             | CauseKind::EncoderZero
@@ -252,7 +253,8 @@ fn smallest_shown(residual: &Residual, candidate: usize, named_below: f64) -> Op
         | CauseKind::AsymmetricFriction
         | CauseKind::GainDrift
         | CauseKind::TorqueRipple
-        | CauseKind::ZeroShift => return None,
+        | CauseKind::ZeroShift
+        | CauseKind::LatePosition => return None,
     }
     residual.test(candidate)?.size?;
     let beyond = |column: &[f64], count: usize| {
@@ -329,7 +331,8 @@ impl Cause {
             | CauseKind::Payload
             | CauseKind::JointSpring
             | CauseKind::AsymmetricFriction
-            | CauseKind::TorqueRipple => true,
+            | CauseKind::TorqueRipple
+            | CauseKind::LatePosition => true,
         }
     }
 }

@@ -56,6 +56,7 @@ enum Tried {
     FallingConstant(usize),
     Spring(usize),
     Asymmetric(usize),
+    LatePosition(usize),
     GainDrift(Option<usize>),
 }
 
@@ -207,6 +208,9 @@ impl<'a> Torques<'a> {
         tried.extend(driven.iter().flat_map(|&from| others(from).map(move |into| Tried::Crosstalk([from, into]))));
         tried.extend(driven.into_iter().map(Tried::FallingConstant));
         tried.extend((0..joints).flat_map(|j| [Tried::Spring(j), Tried::Asymmetric(j)]));
+        if joints > 1 {
+            tried.extend((0..joints).map(Tried::LatePosition));
+        }
         tried
     }
 
@@ -269,6 +273,7 @@ impl<'a> Torques<'a> {
             }
             Tried::FallingConstant(j) => (CauseKind::FallingConstant, joint(j), ""),
             Tried::Spring(j) => (CauseKind::JointSpring, joint(j), unit(j, "N m/rad", "N/m")),
+            Tried::LatePosition(j) => (CauseKind::LatePosition, joint(j), "s"),
             Tried::Asymmetric(j) => (CauseKind::AsymmetricFriction, joint(j), unit(j, "N m s/rad", "N s/m")),
         }
     }
@@ -296,6 +301,7 @@ impl<'a> Torques<'a> {
             Tried::Crosstalk([from, into]) => vec![self.moved(&self.signals.torque, from, into)],
             Tried::FallingConstant(j) => vec![self.of_joint(&self.signals.cube, j)],
             Tried::Spring(j) => vec![self.of_joint(&self.signals.position, j)],
+            Tried::LatePosition(j) => vec![self.late_position(j)],
             Tried::Asymmetric(j) => vec![self.of_joint(&self.signals.speed, j)],
         }
     }
@@ -395,6 +401,26 @@ impl<'a> Torques<'a> {
             let mut torque = self.of(&self.problem.model, &bodies, &Motion { q, dq, ddq }, recording)?;
             let pairs = torque.values_mut().iter_mut().zip(of_bodies[0].values());
             pairs.for_each(|(t, p)| *t = (*t - p) / COMPLIANCE);
+            torques.push(torque);
+        }
+        self.column(torques)
+    }
+
+    /// Positions of a joint that are those of a moment before, `q + s dq` now, in the torques of the bodies: what it makes of a joint's own
+    /// friction is that of a late torque.
+    fn late_position(&self, j: usize) -> Option<Vec<f64>> {
+        let bodies = self.only(|quantity| quantity.is_inertial());
+        let mut torques = Vec::new();
+        for (recording, of_bodies) in self.recordings().zip(&self.of_bodies) {
+            let jerk = Derivative::Central.of(&recording.motion.ddq, recording.recording.sample_rate_hz);
+            let Motion { mut q, mut dq, mut ddq } = recording.motion.clone();
+            let changes = [&recording.motion.dq, &recording.motion.ddq, &jerk];
+            for (series, change) in [&mut q, &mut dq, &mut ddq].into_iter().zip(changes) {
+                (0..series.len()).for_each(|k| series.sample_mut(k)[j] += STEP * change.sample(k)[j]);
+            }
+            let mut torque = self.of(&self.problem.model, &bodies, &Motion { q, dq, ddq }, recording)?;
+            let pairs = torque.values_mut().iter_mut().zip(of_bodies[0].values());
+            pairs.for_each(|(t, p)| *t = (*t - p) / STEP);
             torques.push(torque);
         }
         self.column(torques)
