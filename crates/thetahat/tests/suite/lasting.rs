@@ -15,13 +15,14 @@ const SAMPLES: usize = 8000;
 /// Angular frequencies and amplitudes of both joints.
 const SINES: [[[f64; 2]; 2]; 2] = [[[0.9, 0.8], [1.7, 0.4]], [[1.3, 0.7], [2.1, 0.5]]];
 
-fn robot() -> Robot {
+pub fn robot() -> Robot {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/two_joint.toml");
     RobotSource::read(&path).unwrap().robot_with_locks(&Default::default(), &path).unwrap()
 }
 
-/// Torques of the a-priori robot with white noise, and those of a hardening spring at the first joint that no description has.
-fn recording(robot: &Robot, spring: f64) -> Recording {
+/// Torques of the a-priori robot with white noise of a deviation, those of a hardening spring at the first joint that no description has,
+/// and a sign of the velocity that changes over `scale` rad/s.
+pub fn recording(robot: &Robot, [spring, scale, deviation]: [f64; 3]) -> Recording {
     let model = Model::new(robot);
     let parameters = DynamicParameters::sorted(&model, &robot.a_priori_parameters());
     let mut workspace = Workspace::new(&model);
@@ -36,10 +37,10 @@ fn recording(robot: &Robot, spring: f64) -> Recording {
         };
         let [q, dq, ddq] = [0, 1, 2].map(derivative);
         let mut tau = [0.0; 2];
-        let sign = Sign::Smooth { scale: 0.01 };
+        let sign = Sign::Smooth { scale };
         model.inverse_dynamics(&parameters, State::new(&q, &dq), &ddq, sign, &mut workspace, &mut tau);
         position.extend(q);
-        torque.extend([tau[0] + spring * q[0].powi(3) + 0.3 * noise(), tau[1] + 0.3 * noise()]);
+        torque.extend([tau[0] + spring * q[0].powi(3) + deviation * noise(), tau[1] + deviation * noise()]);
     }
     Recording::new(RATE_HZ, Series::shaped(2, position), Series::shaped(2, torque))
 }
@@ -47,7 +48,7 @@ fn recording(robot: &Robot, spring: f64) -> Recording {
 fn results(spring: f64) -> Results {
     let robot = robot();
     let settings = Settings::new(3.0, 25).with_methods([Method::IDIM_WLS]);
-    Identification::new(&robot, vec![recording(&robot, spring)], settings).unwrap().run().unwrap()
+    Identification::new(&robot, vec![recording(&robot, [spring, 0.01, 0.3])], settings).unwrap().run().unwrap()
 }
 
 #[test]

@@ -46,6 +46,7 @@ mod several_recordings;
 mod smoother;
 mod stiff_simulation;
 mod torque_terms;
+mod transition;
 #[path = "../../examples/studies/twins/mod.rs"]
 #[allow(dead_code)]
 mod twins;

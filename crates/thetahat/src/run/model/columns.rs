@@ -83,8 +83,7 @@ impl ModelColumns {
     /// of all transitions are summed with these weights. That of y, and what follows it, stays.
     pub(crate) fn of_law(&self, joint: usize, weights: &[f64], all: &Matrix) -> Matrix {
         let places = self.of_joint(joint);
-        let mut own: Vec<usize> = self.acting[joint].clone();
-        own.sort_unstable();
+        let own = &self.acting[joint];
         let after = places.len()..all.columns();
         let mut of_law = Matrix::zeros(all.rows(), own.len() + after.len());
         for (k, column) in own.iter().enumerate() {

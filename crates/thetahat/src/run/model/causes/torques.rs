@@ -391,36 +391,38 @@ impl<'a> Torques<'a> {
 
     /// The link of an elastic joint is at `q - tau / k`, where the encoder is at the motor.
     fn elastic(&self, j: usize) -> Option<Vec<f64>> {
-        let bodies = self.only(|quantity| quantity.is_inertial());
-        let mut torques = Vec::new();
-        for (recording, of_bodies) in self.recordings().zip(&self.of_bodies) {
-            let Motion { mut q, mut dq, mut ddq } = recording.motion.clone();
-            for (series, change) in [&mut q, &mut dq, &mut ddq].into_iter().zip(of_bodies) {
-                (0..series.len()).for_each(|k| series.sample_mut(k)[j] -= COMPLIANCE * change.sample(k)[j]);
-            }
-            let mut torque = self.of(&self.problem.model, &bodies, &Motion { q, dq, ddq }, recording)?;
-            let pairs = torque.values_mut().iter_mut().zip(of_bodies[0].values());
-            pairs.for_each(|(t, p)| *t = (*t - p) / COMPLIANCE);
-            torques.push(torque);
-        }
-        self.column(torques)
+        let negative = |series: &Series| series.channel(j).iter().map(|value| -value).collect();
+        self.moved_bodies(j, COMPLIANCE, |_, of_bodies| of_bodies.each_ref().map(negative))
     }
 
-    /// Positions of a joint that are those of a moment before, `q + s dq` now, in the torques of the bodies: what it makes of a joint's own
-    /// friction is that of a late torque.
+    /// Positions of a joint that are those of a moment before: `q + s dq` now. What it makes of a joint's own friction is that of a late
+    /// torque.
     fn late_position(&self, j: usize) -> Option<Vec<f64>> {
+        self.moved_bodies(j, STEP, |recording, _| {
+            let [dq, ddq] = [&recording.motion.dq, &recording.motion.ddq].map(|series| series.channel(j));
+            let ddq = Series::shaped(1, ddq);
+            let jerk = Derivative::Central.of(&ddq, recording.recording.sample_rate_hz);
+            [dq, ddq.into_values(), jerk.into_values()]
+        })
+    }
+
+    /// The derivative of the bodies' torques by a change of a joint's position, which has this shape with its two derivatives.
+    fn moved_bodies(
+        &self,
+        j: usize,
+        step: f64,
+        shape: impl Fn(&FilteredRecording, &[Series; 3]) -> [Vec<f64>; 3],
+    ) -> Option<Vec<f64>> {
         let bodies = self.only(|quantity| quantity.is_inertial());
         let mut torques = Vec::new();
         for (recording, of_bodies) in self.recordings().zip(&self.of_bodies) {
-            let jerk = Derivative::Central.of(&recording.motion.ddq, recording.recording.sample_rate_hz);
             let Motion { mut q, mut dq, mut ddq } = recording.motion.clone();
-            let changes = [&recording.motion.dq, &recording.motion.ddq, &jerk];
-            for (series, change) in [&mut q, &mut dq, &mut ddq].into_iter().zip(changes) {
-                (0..series.len()).for_each(|k| series.sample_mut(k)[j] += STEP * change.sample(k)[j]);
+            for (series, change) in [&mut q, &mut dq, &mut ddq].into_iter().zip(shape(recording, of_bodies)) {
+                change.iter().enumerate().for_each(|(k, change)| series.sample_mut(k)[j] += step * change);
             }
             let mut torque = self.of(&self.problem.model, &bodies, &Motion { q, dq, ddq }, recording)?;
             let pairs = torque.values_mut().iter_mut().zip(of_bodies[0].values());
-            pairs.for_each(|(t, p)| *t = (*t - p) / STEP);
+            pairs.for_each(|(t, p)| *t = (*t - p) / step);
             torques.push(torque);
         }
         self.column(torques)
