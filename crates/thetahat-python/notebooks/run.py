@@ -1,8 +1,9 @@
-"""Executes the notebooks of this folder, each in its own kernel: `python run.py [FOLDER]`, where FOLDER takes the executed copies.
+"""Executes the notebooks of this folder, each in its own kernel: `python run.py [--only NAME] [FOLDER]`, where FOLDER takes the executed copies.
 
 Needs nbclient and ipykernel. A notebook that is stored with outputs is refused: they would not be those of this version.
 """
 
+import argparse
 import os
 import pathlib
 import sys
@@ -27,14 +28,20 @@ def said(notebook: nbformat.NotebookNode) -> list[str]:
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--only", metavar="NAME")
+    parser.add_argument("folder", type=pathlib.Path, nargs="?")
+    asked = parser.parse_args()
     for path in sorted(HERE.glob("*.ipynb")):
         notebook = nbformat.read(path, as_version=4)
         require_no_outputs(path, notebook)
+        if asked.only not in (None, path.stem):
+            continue
         start = time.perf_counter()
         nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": HERE}}).execute()
         print(f"{path.name}: {time.perf_counter() - start:.1f} s", *said(notebook), sep="\n")
-        if len(sys.argv) > 1:
-            nbformat.write(notebook, pathlib.Path(sys.argv[1]) / path.name)
+        if asked.folder:
+            nbformat.write(notebook, asked.folder / path.name)
 
 
 if __name__ == "__main__":

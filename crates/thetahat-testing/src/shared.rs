@@ -51,10 +51,10 @@ pub fn slow_trials(files: &[&str], tests: Vec<Named>) -> Vec<Trial> {
     tests.into_iter().map(|(name, run)| Trial::test(name, run).with_ignored_flag(true)).collect()
 }
 
-/// Every sixth of some cases, or all of them with `THETAHAT_ALL_TRIALS`, as each night. Groups of the same cases take others of them by
+/// Every twelfth of some cases, or all of them with `THETAHAT_ALL_TRIALS`, as each night. Groups of the same cases take others of them by
 /// their number.
 pub fn thinned<T>(cases: Vec<T>, group: usize) -> impl Iterator<Item = T> {
-    const STRIDE: usize = 6;
+    const STRIDE: usize = 12;
     let stride = if all_are_wanted() { 1 } else { STRIDE };
     cases.into_iter().skip(group % stride).step_by(stride)
 }

@@ -1,6 +1,7 @@
 use serde::{Deserialize, Serialize};
 
-/// Comparison of laws of torque terms per joint, on the measured motion, by least squares weighted per joint.
+/// Comparison of laws of torque terms per joint, on the measured motion, by least squares weighted per joint; where no torques are
+/// recorded by `cloe`, with each law added to all joints at once.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TermComparison {
     /// Effective number of independent samples in all joints' residuals, with the model as described.
@@ -15,7 +16,7 @@ pub struct JointTermComparison {
     /// The joint.
     pub joint: String,
     /// Relative error of the joint's torque when it is predicted from other parts of the recording, percent, with the model as
-    /// described; `null` if nothing can be left out.
+    /// described; of the simulated positions of all joints where no torques are recorded; `null` if nothing can be left out.
     pub cross_validation_relative_error_percent: Option<f64>,
     /// The laws tried.
     pub laws: Vec<TermLaw>,

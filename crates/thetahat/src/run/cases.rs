@@ -86,7 +86,11 @@ impl Identification {
         let mut results = Results { user_runs, ..results };
         if self.setup().settings.estimation.compare_terms {
             progress("comparing the laws of torque terms");
-            results.term_comparison = self.compare_terms(&problems[0])?;
+            results.term_comparison = if self.records_torques() {
+                self.compare_terms(&problems[0])?
+            } else {
+                self.compare_terms_of_positions(progress)?
+            };
         }
         progress("choosing the model");
         match self.model(&problems[0].problem, &results.runs)? {

@@ -202,6 +202,11 @@ impl Identification {
         }
     }
 
+    /// Whether every recording from which the robot is estimated has torques.
+    pub(super) fn records_torques(&self) -> bool {
+        self.main.iter().all(|p| p.filtered.recording.torque.is_some())
+    }
+
     pub(crate) fn setup(&self) -> Setup<'_> {
         Setup { robot: &self.robot, settings: &self.settings }
     }

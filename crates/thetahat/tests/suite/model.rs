@@ -153,6 +153,7 @@ fn size_of(causes: &[ModelCause], kind: CauseKind, subject: &str) -> f64 {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn torques_that_sensors_and_springs_falsify_are_named_with_their_size() {
     let mixed = causes_of(|_, torque| torque[2] += 0.03 * torque[1]);
     let mixed = size_of(&mixed, CauseKind::Crosstalk, "joint 2 in joint 3");
@@ -171,6 +172,7 @@ fn torques_that_sensors_and_springs_falsify_are_named_with_their_size() {
 
 /// Torques of which those that are put in first would otherwise look like several other causes.
 #[test]
+#[ignore = "long, each night"]
 fn torques_that_change_with_time_or_repeat_are_named() {
     let count = recording().position.len() as f64;
     let passed = std::cell::Cell::new(0.0);
@@ -241,6 +243,7 @@ fn a_wrong_drive_gain_is_named_with_its_size() {
 
 /// The torque sensor of joint 2 has another zero from the middle of the recording on.
 #[test]
+#[ignore = "long, each night"]
 fn an_offset_that_jumps_is_named() {
     let Experiment { robot, mut settings, .. } = experiment();
     settings.signal.decimation = 20;
@@ -321,6 +324,7 @@ fn the_model_is_exported_as_it_is_and_samples_keep_what_is_given() {
 /// Predicted torques of parts of a motion that begin and end while the robot moves: at their ends near the measured ones as well, where a
 /// filter that reflects the motion was off by many times the torque.
 #[test]
+#[ignore = "long, each night"]
 fn a_prediction_holds_to_the_ends_of_a_motion_that_does_not_rest_there() {
     let Experiment { robot, settings, .. } = experiment();
     let whole = recording();
@@ -352,6 +356,7 @@ fn a_prediction_holds_to_the_ends_of_a_motion_that_does_not_rest_there() {
 
 /// The motor of a wrist is 10^5 times heavier than the description's link, which knows no motor: the torques decide.
 #[test]
+#[ignore = "long, each night"]
 fn a_motor_that_is_much_heavier_than_its_link_is_found() {
     let Experiment { mut robot, settings, .. } = experiment();
     robot.a_priori.remove("ia6");

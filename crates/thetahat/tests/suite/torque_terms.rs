@@ -6,6 +6,7 @@ use thetahat::{
     ControllerDescription, Identification, Method, Recording, Results, Robot, Series, Settings,
     dynamics::Model,
     identification::Status,
+    preparation::{NamedChoice, ParameterChoice},
     simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatorBias, Solver},
 };
 use thetahat_estimation::simulation::{Job, simulate_all};
@@ -285,6 +286,27 @@ fn a_law_that_fits_is_recommended_and_no_other() {
     println!("{}", thetahat_report::report::text::all(&results, None, thetahat_report::report::TextWidth::DEFAULT));
     let left = again.joints.iter().flat_map(|j| &j.laws).filter(|l| l.recommended).count();
     assert_eq!(left, 0, "{again:?}");
+}
+
+#[test]
+fn a_law_is_recommended_by_positions_alone() {
+    let links = "m1 = 4.0\nxx1 = 0.2\nyy1 = 1.1\nxx2 = 0.1\nyy2 = 0.35\n";
+    let term = "[[term]]\nkind = \"load-friction\"\njoints = [\"shoulder\"]\n";
+    let with_load = robot(term, &format!("fl1 = 0.3\n{links}"));
+    let recording = record(&with_load, 12.0, None);
+    let recording = Recording { truth: None, torque: None, ..recording };
+    let mut settings = settings(&[Method::CLOE]);
+    settings.estimation.compare_terms = true;
+    settings.parameters.estimate = ParameterChoice::Named(NamedChoice::Drives);
+    let described = robot("", links);
+    let results = Identification::new(&described, vec![recording], settings).unwrap().run().unwrap();
+    let comparison = results.term_comparison.as_ref().unwrap();
+    let recommended =
+        comparison.joints.iter().flat_map(|j| j.laws.iter().filter(|l| l.recommended).map(|l| (j.joint.as_str(), l)));
+    let recommended: Vec<_> = recommended.collect();
+    let [("shoulder", law)] = recommended[..] else { panic!("{recommended:?}") };
+    assert_eq!((law.law.as_str(), law.parameters.as_slice()), ("load-friction", ["fl1".to_owned()].as_slice()));
+    assert!((law.estimates[0] - 0.3).abs() < 0.02, "{law:?}");
 }
 
 #[test]

@@ -45,8 +45,8 @@ fn comparison(comparison: &TermComparison, listed: usize) -> Table {
         head: head.map(str::to_owned).to_vec(),
         rows: comparison.joints.iter().flat_map(|joint| rows(joint, listed)).collect(),
         notes: vec![
-            "left-out error: error of the joint's torque, predicted from other parts of the recording, by least squares weighted per joint. \
-             criterion: change of Bayes's information criterion, counted in independent samples; below -10 the evidence is very \
+            "left-out error: error of the joint's torque, predicted from other parts of the recording, by least squares weighted per joint; \
+             of the simulated positions of all joints where no torques are recorded. criterion: change of Bayes's information criterion, counted in independent samples; below -10 the evidence is very \
              strong."
                 .to_owned(),
         ],

@@ -227,7 +227,7 @@ fn left_out(regression: &Regression, folds: &Folds) -> Vec<f64> {
 }
 
 /// Marks the law with the best criterion, where that is very strong and the joint is predicted better.
-fn recommend(laws: &mut [TermLaw], as_described: Option<f64>) {
+pub(super) fn recommend(laws: &mut [TermLaw], as_described: Option<f64>) {
     let predicts_better = |law: &TermLaw| match (law.cross_validation_relative_error_percent, as_described) {
         (Some(with), Some(without)) => with < without || (law.description.is_empty() && with <= 1.001 * without),
         _ => false,

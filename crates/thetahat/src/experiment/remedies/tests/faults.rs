@@ -140,6 +140,7 @@ fn torques_with_the_opposite_sign_are_reversed_together() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn one_torque_with_the_opposite_sign_is_reversed() {
     mended(|log| scale(&mut log.torque, 3, -1.0), &["torque-sign-4"], SAME);
 }
@@ -152,6 +153,7 @@ fn one_position_with_the_opposite_sign_is_reversed() {
 
 /// The check takes position and torque of joint 2 for reversed, and finds that much is left.
 #[test]
+#[ignore = "long, each night"]
 fn a_correction_that_leaves_much_is_no_remedy() {
     let twin = Twin::new().with(|log| scale(&mut log.position, 1, -1.0));
     let results = twin.run(&twin.experiment(KEYS));
@@ -195,6 +197,7 @@ fn torques_that_are_currents_get_no_unit() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn late_torques_get_their_delay() {
     let fault = |log: &mut Log| {
         let early = log.torque.clone();
@@ -242,6 +245,7 @@ fn times_of_an_external_force_are_left_out() {
 
 /// A recorder's range ends at three quarters of the largest torque of joint 2; noise follows.
 #[test]
+#[ignore = "long, each night"]
 fn times_at_which_a_torque_is_clipped_are_left_out() {
     let fault = |log: &mut Log| {
         let range = 0.75 * log.torque.channel(1).iter().fold(0.0, |most: f64, torque| most.max(torque.abs()));
@@ -256,6 +260,7 @@ fn times_at_which_a_torque_is_clipped_are_left_out() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn torques_that_are_held_are_said_to_be() {
     let fault = |log: &mut Log| log.torque = delayed(&log.torque, &vec![-0.5; log.torque.channels()]);
     let (before, _) = mended(fault, &["lag"], NEARLY_SAME);
@@ -263,6 +268,7 @@ fn torques_that_are_held_are_said_to_be() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn a_wrong_gear_ratio_that_the_model_names_is_corrected() {
     let fault = |log: &mut Log| {
         scale(&mut log.position, 1, 1.02);
@@ -397,6 +403,7 @@ fn an_unknown_code_is_refused_with_those_that_there_are() {
 
 /// A joint that is held still is locked where it is, and its columns are left out.
 #[test]
+#[ignore = "long, each night"]
 fn a_joint_that_does_not_move_is_locked() {
     let twin = Twin::with_still_joint(5);
     let experiment = twin.experiment(KEYS);
