@@ -94,13 +94,13 @@ pub struct RunResult {
 pub struct LoopParameterResult {
     /// Its name; motors count from one.
     pub name: String,
-    /// The factor on the value in the experiment file, or the added delay in s.
+    /// The factor on the value in the experiment file, the added delay in s, or the velocity at which friction changes its sign.
     pub estimate: f64,
     /// Its classical standard deviation.
     pub standard_deviation: f64,
     /// Its 95 % interval with correlated errors.
     pub interval_95: Option<[f64; 2]>,
-    /// `s` for a delay, empty for a factor.
+    /// `s` for a delay, `rad/s or m/s` for a velocity, empty for a factor.
     pub unit: String,
 }
 

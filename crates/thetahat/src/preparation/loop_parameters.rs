@@ -30,6 +30,8 @@ pub enum LoopParameter {
     VelocityGains,
     /// A delay on top of the controller's; of the reference, where the controller is continuous.
     Delay,
+    /// The velocity at which friction changes its sign, in place of `sign_velocity_scale`.
+    FrictionTransition,
 }
 
 impl LoopParameter {
@@ -44,6 +46,7 @@ impl LoopParameter {
             Self::VelocityGain => "velocity-gain",
             Self::VelocityGains => "velocity-gains",
             Self::Delay => "delay",
+            Self::FrictionTransition => "friction-transition",
         }
     }
 
@@ -51,7 +54,7 @@ impl LoopParameter {
     pub(super) fn is_gain(self) -> bool {
         match self {
             Self::PositionGain | Self::PositionGains | Self::VelocityGain | Self::VelocityGains => true,
-            Self::GearRatio | Self::DriveGain | Self::DriveGains | Self::Delay => false,
+            Self::GearRatio | Self::DriveGain | Self::DriveGains | Self::Delay | Self::FrictionTransition => false,
         }
     }
 
@@ -66,6 +69,7 @@ impl LoopParameter {
             Self::VelocityGain => vec![SensitiveTo::VelocityGain(Motors::All)],
             Self::VelocityGains => each(SensitiveTo::VelocityGain),
             Self::Delay => vec![SensitiveTo::Delay],
+            Self::FrictionTransition => vec![SensitiveTo::FrictionTransition],
         }
     }
 }
@@ -75,11 +79,51 @@ impl LoopParameter {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct LoopParameters(Vec<SensitiveTo>);
 
+/// In what an estimated quantity of the loop is stated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum LoopUnit {
+    Seconds,
+    /// The estimate is the logarithm of a factor.
+    Factor,
+    /// The estimate is the logarithm of a factor on this velocity, rad/s or m/s.
+    Velocity {
+        scale: f64,
+    },
+}
+
+impl LoopUnit {
+    /// The quantity with an estimate.
+    pub(crate) fn value(self, estimate: f64) -> f64 {
+        match self {
+            Self::Seconds => estimate,
+            Self::Factor => estimate.exp(),
+            Self::Velocity { scale } => scale * estimate.exp(),
+        }
+    }
+
+    /// The change of the quantity with the estimate.
+    pub(crate) fn slope(self, estimate: f64) -> f64 {
+        match self {
+            Self::Seconds => 1.0,
+            Self::Factor | Self::Velocity { .. } => self.value(estimate),
+        }
+    }
+
+    pub(crate) fn symbol(self) -> &'static str {
+        match self {
+            Self::Seconds => "s",
+            Self::Factor => "",
+            Self::Velocity { .. } => "rad/s or m/s",
+        }
+    }
+}
+
 /// The parts of a loop that they change.
 pub(crate) struct LoopParts<'a> {
     pub(crate) controller: Cow<'a, ControllerDescription>,
     pub(crate) transmission: Cow<'a, Transmission>,
     pub(crate) bias: SimulatorBias,
+    pub(crate) sign_velocity_factor: f64,
 }
 
 impl LoopParameters {
@@ -112,13 +156,22 @@ impl LoopParameters {
             SensitiveTo::DriveGain(motors) => of_motors("drive gain", motors),
             SensitiveTo::GearRatio => "gear ratio".to_owned(),
             SensitiveTo::Delay => "delay".to_owned(),
+            SensitiveTo::FrictionTransition => "friction transition".to_owned(),
         };
         self.0.iter().map(name).collect()
     }
 
-    /// Whether each is the logarithm of a factor; else it is a time in s.
-    pub(crate) fn is_factor(&self, index: usize) -> bool {
-        self.0[index] != SensitiveTo::Delay
+    /// What an estimated value is, with its standard deviation or its interval: a factor, a time, or a velocity.
+    pub(crate) fn unit(&self, index: usize, sign_velocity_scale: f64) -> LoopUnit {
+        match self.0[index] {
+            SensitiveTo::Delay => LoopUnit::Seconds,
+            SensitiveTo::FrictionTransition => LoopUnit::Velocity { scale: sign_velocity_scale },
+            SensitiveTo::Parameter(_)
+            | SensitiveTo::PositionGain(_)
+            | SensitiveTo::VelocityGain(_)
+            | SensitiveTo::DriveGain(_)
+            | SensitiveTo::GearRatio => LoopUnit::Factor,
+        }
     }
 
     /// The parts of a loop with estimated values; `inertia` is that for which gains given by a bandwidth are resolved.
@@ -139,6 +192,7 @@ impl LoopParameters {
                 }
                 SensitiveTo::GearRatio => parts.bias.gear_ratio *= factor,
                 SensitiveTo::Delay => parts.bias.delay_s += value,
+                SensitiveTo::FrictionTransition => parts.sign_velocity_factor *= factor,
             }
         }
         parts
@@ -165,7 +219,12 @@ mod tests {
 
     fn parts(controller: &ControllerDescription) -> LoopParts<'_> {
         let transmission = Cow::Owned(Transmission::direct(2));
-        LoopParts { controller: Cow::Borrowed(controller), transmission, bias: SimulatorBias::NONE }
+        LoopParts {
+            controller: Cow::Borrowed(controller),
+            transmission,
+            bias: SimulatorBias::NONE,
+            sign_velocity_factor: 1.0,
+        }
     }
 
     /// Gains by bandwidth and gains as stated give the same signal, before and after a factor.

@@ -162,7 +162,9 @@ impl Assessment<'_> {
         let EstimationJob { problem, simulator, .. } = self.job;
         let Some(simulator) = simulator.as_ref().filter(|s| !s.loop_parameters().is_empty()) else { return Vec::new() };
         let uncertainty = self.uncertainty(outcome, fit).ok();
-        loop_parameter_results(simulator.loop_parameters(), problem.estimated.len(), fit, uncertainty.as_ref())
+        let scale = self.data.setup().settings.simulation.sign_velocity_scale;
+        let asked = (simulator.loop_parameters(), scale);
+        loop_parameter_results(asked, problem.estimated.len(), fit, uncertainty.as_ref())
     }
 
     /// From the correlation of the rows in time, or where they are triangular factors from their stretches of time.

@@ -77,7 +77,7 @@ pub(super) fn covariance_of(fit: &Fit, parameters: &[ParameterResult]) -> Vec<f6
 
 /// The quantities of the loop that were estimated after `before` parameters of the robot.
 pub(super) fn loop_parameter_results(
-    loop_parameters: &LoopParameters,
+    (loop_parameters, sign_velocity_scale): (&LoopParameters, f64),
     before: usize,
     fit: &Fit,
     uncertainty: Option<&Uncertainty>,
@@ -86,13 +86,13 @@ pub(super) fn loop_parameter_results(
         let place = before + i;
         let (value, sd) = (*fit.theta.get(place)?, fit.standard_deviation[place]);
         let interval = uncertainty.map(|u| u.interval_95[place]);
-        Some(if loop_parameters.is_factor(i) {
-            let (estimate, unit) = (value.exp(), String::new());
-            let interval_95 = interval.map(|ends| ends.map(f64::exp));
-            LoopParameterResult { name, estimate, standard_deviation: estimate * sd, interval_95, unit }
-        } else {
-            let unit = "s".to_owned();
-            LoopParameterResult { name, estimate: value, standard_deviation: sd, interval_95: interval, unit }
+        let unit = loop_parameters.unit(i, sign_velocity_scale);
+        Some(LoopParameterResult {
+            name,
+            estimate: unit.value(value),
+            standard_deviation: unit.slope(value) * sd,
+            interval_95: interval.map(|ends| ends.map(|end| unit.value(end))),
+            unit: unit.symbol().to_owned(),
         })
     };
     loop_parameters.names().into_iter().enumerate().filter_map(result).collect()

@@ -212,6 +212,7 @@ impl<'a> Simulator<'a> {
                 controller: &resolved.parts.controller,
                 transmission: &resolved.parts.transmission,
                 bias: resolved.parts.bias,
+                sign_velocity_scale: resolved.parts.sign_velocity_factor * l.closed_loop.sign_velocity_scale,
                 ..l.closed_loop
             },
             theta: &resolved.standard,
@@ -290,6 +291,7 @@ impl<'a> Simulator<'a> {
             controller: Cow::Borrowed(self.controller),
             transmission: Cow::Borrowed(&self.setup.robot.transmission),
             bias: self.bias,
+            sign_velocity_factor: 1.0,
         }
     }
 

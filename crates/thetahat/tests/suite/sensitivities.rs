@@ -138,6 +138,7 @@ impl Bench {
             }
             SensitiveTo::GearRatio => bench.bias.gear_ratio *= by.exp(),
             SensitiveTo::Delay => bench.bias.delay_s += by,
+            SensitiveTo::FrictionTransition => bench.scale *= by.exp(),
         }
         bench
     }
@@ -163,7 +164,8 @@ impl Bench {
                 SensitiveTo::PositionGain(_)
                 | SensitiveTo::VelocityGain(_)
                 | SensitiveTo::DriveGain(_)
-                | SensitiveTo::GearRatio => self.by,
+                | SensitiveTo::GearRatio
+                | SensitiveTo::FrictionTransition => self.by,
             };
             let differences = self.central_differences(*to, by);
             for (what, (found, expected)) in ["q", "tau"].iter().zip(found.iter().zip(&differences)) {
@@ -259,6 +261,7 @@ fn a_sampled_controller_with_a_delay() {
     let mut bench = slide(&format!("{}\ndelay_s = 0.0015", CASCADE.replace("[10.0]", "[100.0]")));
     bench.by = 3e-4;
     let mut to = parameters(&bench, &["m1", "fv1", "fc1", "off1"]);
+    to.push(SensitiveTo::FrictionTransition);
     to.extend(GAINS);
     bench.check(&to, EXACT);
 }
@@ -286,6 +289,7 @@ fn the_gains_of_one_motor() {
                  acceleration_feed_forward = 0.8\nsaturation = [2.5, 1.8]\n{sampled}"
             ));
             let mut to = parameters(&bench, &["zz1", "xx2", "mx2", "fv1", "fc1", "fcm2", "iam2"]);
+            to.push(SensitiveTo::FrictionTransition);
             to.extend(GAINS);
             to.extend([0, 1].map(|motor| SensitiveTo::PositionGain(Motors::One(motor))));
             to.extend([0, 1].map(|motor| SensitiveTo::VelocityGain(Motors::One(motor))));

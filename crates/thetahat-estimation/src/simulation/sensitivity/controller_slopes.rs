@@ -122,7 +122,7 @@ impl Tuned {
             },
             SensitiveTo::GearRatio => (!is_sampled).then_some(Self::GearRatio),
             SensitiveTo::Delay => (!is_sampled).then_some(Self::Delay),
-            SensitiveTo::DriveGain(_) | SensitiveTo::Parameter(_) => None,
+            SensitiveTo::DriveGain(_) | SensitiveTo::Parameter(_) | SensitiveTo::FrictionTransition => None,
         }
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::{
     columns::ColumnBlocks, linear_terms::LinearTerms, parameter_columns::ParameterColumns, sensitive_to::SensitiveTo,
-    stages::StageMotion, torque_slopes::TorqueSlopes,
+    stages::StageMotion, torque_slopes::TorqueSlopes, transition_columns::TransitionColumns,
 };
 use crate::simulation::{closed_loop::Job, running::Running, system::Loop};
 use thetahat_model::dynamics::Jacobian;
@@ -19,6 +19,7 @@ const MOST_STAGES: usize = 8;
 pub(super) struct LoopSlopes {
     torques: TorqueSlopes,
     parameters: ParameterColumns,
+    transition: TransitionColumns,
     /// One for each stage of a step.
     jacobians: Vec<Jacobian>,
     terms: LinearTerms,
@@ -40,6 +41,7 @@ impl LoopSlopes {
         Self {
             torques: TorqueSlopes::new(job, running, to, inertia_slopes, start),
             parameters: ParameterColumns::new(setup, to),
+            transition: TransitionColumns::new(setup, to),
             jacobians: vec![Jacobian::zeros(n); MOST_STAGES],
             terms: LinearTerms::zeros(n, to.len()),
             x: vec![0.0; 2 * n],
@@ -73,6 +75,7 @@ impl LoopSlopes {
     pub(super) fn evaluate_stages(&mut self, system: &Loop<'_>, motion: &StageMotion, stages: Range<usize>) {
         let (plant, series) = (&system.plant, motion.series());
         self.parameters.evaluate(plant, series, motion.channels());
+        self.transition.evaluate(plant, motion, stages.clone());
         plant.model.inverse_dynamics_jacobians(
             &plant.parameters,
             series,
@@ -91,13 +94,14 @@ impl LoopSlopes {
         motion: &StageMotion,
         stage: usize,
     ) -> &LinearTerms {
-        let Self { torques, parameters, jacobians, terms, x } = self;
+        let Self { torques, parameters, transition, jacobians, terms, x } = self;
         motion.write_state(stage, x);
         torques.linearise(system, t, x, terms);
         let Jacobian { by_position, by_velocity } = &jacobians[stage];
         terms.by_position.iter_mut().zip(by_position).for_each(|(a, j)| *a += j);
         terms.by_velocity.iter_mut().zip(by_velocity).for_each(|(b, j)| *b += j);
         parameters.subtract(stage, &mut terms.explicit);
+        transition.subtract(stage, &mut terms.explicit);
         terms
     }
 }

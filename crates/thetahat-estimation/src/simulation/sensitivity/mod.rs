@@ -16,6 +16,7 @@ mod sensitive_to;
 mod sensitivities;
 mod stages;
 mod torque_slopes;
+mod transition_columns;
 
 pub use sensitive_to::{Motors, SensitiveTo};
 pub use sensitivities::{Sensitivities, SensitivitySample};

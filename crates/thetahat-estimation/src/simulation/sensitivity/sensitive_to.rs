@@ -47,6 +47,9 @@ pub enum SensitiveTo {
     GearRatio,
     /// The delay in s: of the signals of a sampled controller, of the reference of a continuous one.
     Delay,
+    /// The logarithm of the velocity at which friction changes its sign,
+    /// [`sign_velocity_scale`](crate::simulation::ClosedLoop::sign_velocity_scale).
+    FrictionTransition,
 }
 
 impl SensitiveTo {
@@ -59,7 +62,7 @@ impl SensitiveTo {
             Self::PositionGain(of) => of.among(motors).map(Self::PositionGain),
             Self::VelocityGain(of) => of.among(motors).map(Self::VelocityGain),
             Self::DriveGain(of) => of.among(motors).map(Self::DriveGain),
-            Self::GearRatio | Self::Delay => Some(self),
+            Self::GearRatio | Self::Delay | Self::FrictionTransition => Some(self),
         }
     }
 
@@ -67,7 +70,12 @@ impl SensitiveTo {
     pub(super) fn parameter(self) -> Option<usize> {
         match self {
             Self::Parameter(index) => Some(index),
-            Self::PositionGain(_) | Self::VelocityGain(_) | Self::DriveGain(_) | Self::GearRatio | Self::Delay => None,
+            Self::PositionGain(_)
+            | Self::VelocityGain(_)
+            | Self::DriveGain(_)
+            | Self::GearRatio
+            | Self::Delay
+            | Self::FrictionTransition => None,
         }
     }
 
@@ -75,7 +83,12 @@ impl SensitiveTo {
     pub(super) fn drive_gain(self) -> Option<Motors> {
         match self {
             Self::DriveGain(motors) => Some(motors),
-            Self::Parameter(_) | Self::PositionGain(_) | Self::VelocityGain(_) | Self::GearRatio | Self::Delay => None,
+            Self::Parameter(_)
+            | Self::PositionGain(_)
+            | Self::VelocityGain(_)
+            | Self::GearRatio
+            | Self::Delay
+            | Self::FrictionTransition => None,
         }
     }
 

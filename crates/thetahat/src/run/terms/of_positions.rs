@@ -80,9 +80,8 @@ impl Identification {
     /// The largest velocity of each coordinate, rad/s or m/s.
     fn largest_velocities(&self) -> Vec<f64> {
         let largest = |c: usize| {
-            let of_recording = |motion: &Motion| {
-                motion.dq.channel(c).iter().fold(0.0_f64, |most, dq| most.max(dq.abs()))
-            };
+            let of_recording =
+                |motion: &Motion| motion.dq.channel(c).iter().fold(0.0_f64, |most, dq| most.max(dq.abs()));
             self.main.iter().map(|p| of_recording(&p.filtered.motion)).fold(0.0, f64::max)
         };
         (0..self.setup().robot.coordinate_count()).map(largest).collect()
