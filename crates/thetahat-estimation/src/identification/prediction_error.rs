@@ -18,7 +18,7 @@ const NO_DAMPING: f64 = 1e-5;
 /// Damping beyond which the steps are too short to help.
 const MOST_DAMPING: f64 = 1e8;
 /// Size of the undamped step, in standard deviations, below which it is limited by the errors of the simulation: simulations then get finer
-/// tolerances, a few times.
+/// tolerances, a few times. They do as well where no step reduces the error.
 const NEAR: f64 = 3.0;
 /// Ratio to the previous undamped step below which the step counts as shrinking.
 const PROGRESS: f64 = 0.5;
@@ -310,7 +310,7 @@ impl PredictionErrorEstimation {
                 self.step(project);
             }
             Ok(_) | Err(_) if self.is_coarse() => self.refine(),
-            Ok(_) if self.refinements < REFINEMENTS && self.whole_step() < NEAR => self.refine(),
+            Ok(_) if self.refinements < REFINEMENTS => self.refine(),
             Ok(_) => self.end_at_limit(),
             Err(cause) => self.stall(cause),
         }

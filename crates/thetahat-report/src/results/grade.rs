@@ -48,6 +48,14 @@ impl ParameterResult {
         self.standard_deviation_robust.or(self.standard_deviation)
     }
 
+    /// Adds to the interval another half width that is independent of its own.
+    pub fn widen_interval(&mut self, half_width: f64) {
+        self.interval_95 = self.interval_95.map(|[low, high]| {
+            let (middle, half) = (0.5 * (low + high), (0.5 * (high - low)).hypot(half_width));
+            [middle - half, middle + half]
+        });
+    }
+
     /// Distance from the estimate to the farther end of `interval_95`, or 1.96 classical deviations where there is no interval. That of free
     /// estimates is half of it; a physically consistent value can be near an end.
     #[must_use]
@@ -145,6 +153,15 @@ mod tests {
         assert_eq!(graded(2.0, None, None), Grade::NotIdentified);
         assert_eq!(graded(f64::NAN, Some([0.0, 1.0]), None), Grade::NotIdentified);
         assert_eq!(graded(0.8, None, Some(0.0)), Grade::Precise);
+    }
+
+    #[test]
+    fn half_widths_add_as_independent_errors_do() {
+        let mut wide = parameter(4.0, Some([1.0, 7.0]), None);
+        wide.widen_interval(4.0);
+        assert_eq!(wide.interval_95, Some([-1.0, 9.0]));
+        wide.widen_interval(0.0);
+        assert_eq!(wide.interval_95, Some([-1.0, 9.0]));
     }
 
     #[test]

@@ -10,6 +10,9 @@ use thetahat_estimation::{
 };
 use thetahat_model::robot::Transmission;
 
+/// Largest factor on `sign_velocity_scale`, and on its inverse.
+const MOST_OF_TRANSITION: f64 = 20.0;
+
 /// A quantity of the simulated loop that is not known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -172,6 +175,15 @@ impl LoopParameters {
             | SensitiveTo::DriveGain(_)
             | SensitiveTo::GearRatio => LoopUnit::Factor,
         }
+    }
+
+    /// Values that can be simulated: friction that changes its sign at once takes steps without end.
+    pub(crate) fn within_bounds(&self, mut values: Vec<f64>) -> Vec<f64> {
+        let bound = MOST_OF_TRANSITION.ln();
+        let of_transition = |to: &SensitiveTo| *to == SensitiveTo::FrictionTransition;
+        let transitions = self.0.iter().zip(&mut values).filter(|(to, _)| of_transition(to));
+        transitions.for_each(|(_, value)| *value = value.clamp(-bound, bound));
+        values
     }
 
     /// The parts of a loop with estimated values; `inertia` is that for which gains given by a bandwidth are resolved.

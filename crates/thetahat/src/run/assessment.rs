@@ -4,6 +4,7 @@
 use std::borrow::Cow;
 
 use super::{
+    controller_step::allow_for_steps,
     curves::{self, residual},
     estimation_data::EstimationData,
     identification::{Identification, explain},
@@ -65,6 +66,7 @@ impl Assessment<'_> {
             }
             if let Some(identification) = self.data.samples() {
                 allow_for_links(identification, &mut run);
+                allow_for_steps(identification, &mut run);
                 run.plots = self.plots(identification, fit, motions.as_deref().unwrap_or_default());
             }
             let setup = self.data.setup();

@@ -6,7 +6,7 @@ use super::{
     assessment::Assessment,
     curves,
     estimation_data::EstimationData,
-    examination::{ExaminationModel, compare, examine, examine_robot, with_filter_explained, with_note},
+    examination::{ExaminationModel, compare, examine, examine_robot, with_note, with_positions_explained},
     explained_by_model::{keep_causes_of_these_data, with_model_explained},
     identification::{CaseProblem, Identification},
     parameters::{elimination_result, not_separated},
@@ -204,7 +204,7 @@ impl Identification {
         of_recordings.extend(of(&self.validation, true));
         let of_recordings = if is_reproduced(runs) { with_tracking_explained(of_recordings) } else { of_recordings };
         let only_positions = !runs.is_empty() && runs.iter().all(RunResult::is_of_positions);
-        let of_recordings = if only_positions { with_filter_explained(of_recordings) } else { of_recordings };
+        let of_recordings = if only_positions { with_positions_explained(of_recordings) } else { of_recordings };
         let mut findings: Vec<_> = examine_robot(setup.robot).into_iter().chain(of_recordings).collect();
         findings.extend(compare(setup, [&self.main, &self.validation], (&nominal.model, &nominal.base)));
         findings

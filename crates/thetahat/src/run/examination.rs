@@ -6,7 +6,7 @@ use super::{
 };
 use crate::preparation::{Case, FilteredRecording, PreparationError, Problem, Recording, Setup};
 use thetahat_estimation::{
-    checks::{self, Code, Companion, Finding, Severity, SignalSettings, Subject},
+    checks::{self, Code, Companion, Finding, OrderedStep, RemedyStep, Severity, SignalSettings, Subject},
     identification::{Method, Needs},
     simulation::Reference,
 };
@@ -196,7 +196,7 @@ pub(crate) fn check_recordings(
     let has_torques = main.iter().all(|p| p.filtered.recording.torque.is_some());
     let note = has_torques.then(|| note_before_estimates(setup, problem, &weights)).flatten();
     let all: Vec<RecordingFindings> = with_note(found, note).into_iter().chain(of_others).chain(together).collect();
-    Ok(if has_torques { all } else { with_filter_explained(all) })
+    Ok(if has_torques { all } else { with_positions_explained(all) })
 }
 
 /// The note on the estimates of the method that needs the measured motion alone.
@@ -212,13 +212,22 @@ fn note_before_estimates(setup: Setup<'_>, problem: Problem, weights: &[f64]) ->
     uncertain::note(setup, &problem.problem, method, &parameters)
 }
 
-/// Positions are fitted as they were recorded: the noise of filtered accelerations reaches start values alone.
-pub(super) fn with_filter_explained(mut findings: Vec<RecordingFindings>) -> Vec<RecordingFindings> {
-    let all = findings.iter_mut().flat_map(|of| &mut of.findings);
-    for finding in all.filter(|f| f.code == Code::CutoffHigh) {
-        finding.severity = Severity::Note;
-        finding.message += "; positions are fitted as recorded, without it";
-        finding.remedy = "nothing to do: the filter makes only start values".to_owned();
+/// Positions are fitted as they were recorded: the noise of filtered accelerations reaches start values alone. A controller without
+/// torques in its log is often soft: how late the motion is says nothing against the reference.
+pub(super) fn with_positions_explained(mut findings: Vec<RecordingFindings>) -> Vec<RecordingFindings> {
+    for finding in findings.iter_mut().flat_map(|of| &mut of.findings) {
+        let is_correction = |of: &OrderedStep| matches!(of.step, RemedyStep::CorrectReference { .. });
+        let corrects = finding.step.as_ref().is_none_or(is_correction);
+        if [Code::CutoffHigh, Code::PositionQuantised].contains(&finding.code) {
+            finding.severity = Severity::Note;
+            finding.message += "; positions are fitted as recorded, without it";
+            finding.remedy = "nothing to do: the filter makes only start values".to_owned();
+        } else if finding.code == Code::ReferenceMismatch && corrects {
+            finding.step = None;
+            finding.remedy = "a soft controller is late, and that is no fault; where the simulated loop is not late as well, check the columns, \
+                              units and signs of commands and positions"
+                .to_owned();
+        }
     }
     findings
 }

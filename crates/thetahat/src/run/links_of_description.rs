@@ -37,7 +37,7 @@ pub(super) fn allow_for_links(identification: &Identification, run: &mut RunResu
         };
         let name = p.name();
         for found in run.parameters.iter_mut().filter(|found| found.name == name) {
-            found.interval_95 = found.interval_95.map(|interval| widened(interval, KNOWN_TO * size.abs()));
+            found.widen_interval(KNOWN_TO * size.abs());
         }
     }
 }
@@ -59,22 +59,5 @@ impl Links {
         let state = State::new(posture, &rest);
         model.inverse_dynamics(&parameters, state, &rest, Sign::Exact, &mut Workspace::new(model), &mut weight);
         Some(Self { inertia: model.joint_inertias(&links, posture).ok()?, weight })
-    }
-}
-
-/// An interval with another half width that is independent of its own.
-fn widened([low, high]: [f64; 2], more: f64) -> [f64; 2] {
-    let (middle, half) = (0.5 * (low + high), (0.5 * (high - low)).hypot(more));
-    [middle - half, middle + half]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn half_widths_add_as_independent_errors_do() {
-        assert_eq!(widened([1.0, 7.0], 4.0), [-1.0, 9.0]);
-        assert_eq!(widened([1.0, 2.0], 0.0), [1.0, 2.0]);
     }
 }

@@ -19,6 +19,7 @@ mod assessment;
 mod bandwidth;
 mod cases;
 mod continued;
+mod controller_step;
 mod curves;
 mod estimation_data;
 mod examination;

@@ -6,6 +6,7 @@ use super::{
     requests::{Request, Simulated},
     simulator::{Output, Parameters, Simulator},
 };
+use crate::preparation::LoopParameters;
 use thetahat_estimation::{
     identification::{
         GaussNewtonStep, Iteration, IterationOptions, Method, Outcome, PredictionErrorEstimation, SimulatedResponse,
@@ -55,7 +56,8 @@ impl<'a> Fitting<'a> {
     /// parameters.
     pub(super) fn take(&mut self, simulated: Result<Simulated, SimulationError>) {
         let (regression, of_robot) = (&self.job.regression, self.job.start.len());
-        let mut admit = |step| admit(&mut self.physical, of_robot, step);
+        let of_loop = self.simulator.loop_parameters();
+        let mut admit = |step| admit(&mut self.physical, of_loop, of_robot, step);
         match self.estimation.wanted() {
             Some(SimulationRequest::Response(_)) => {
                 let response = response(self.simulator, self.job.method, simulated);
@@ -67,7 +69,7 @@ impl<'a> Fitting<'a> {
             None => {}
         }
         if self.estimation.is_held_up() && self.physical.keep_in_set() {
-            self.estimation.start_anew(&mut |step| self::admit(&mut self.physical, of_robot, step));
+            self.estimation.start_anew(&mut |step| self::admit(&mut self.physical, of_loop, of_robot, step));
         }
     }
 
@@ -106,8 +108,13 @@ fn response(
 
 /// What a step leads to, the parameters of the robot in what can be simulated. Their metric is that with the parameters of the
 /// loop, which follow them, at their best.
-fn admit(physical: &mut Physical<'_>, of_robot: usize, GaussNewtonStep { mut theta, r }: GaussNewtonStep) -> Vec<f64> {
-    let of_loop = theta.split_off(of_robot);
+fn admit(
+    physical: &mut Physical<'_>,
+    loop_parameters: &LoopParameters,
+    of_robot: usize,
+    GaussNewtonStep { mut theta, r }: GaussNewtonStep,
+) -> Vec<f64> {
+    let of_loop = loop_parameters.within_bounds(theta.split_off(of_robot));
     let loop_first: Vec<usize> = (of_robot..r.columns()).chain(0..of_robot).collect();
     let r = r.select_columns(&loop_first).triangular_factor();
     let robot_rows = of_loop.len()..r.rows();

@@ -21,7 +21,7 @@ pub(in crate::report) fn loop_parameters(results: &Results) -> Option<Table> {
         head: strings(&["case", "method", "quantity", "unit", "estimate", "sd", "95 % from", "to"]),
         rows,
         notes: strings(&[
-            "Factors on the values in the experiment file, and an added delay. sd: classical; the interval allows for correlated \
+            "Factors on the values in the experiment file, an added delay, the velocity at which friction changes its sign. sd: classical; the interval allows for correlated \
              errors.",
         ]),
         ..Table::default()

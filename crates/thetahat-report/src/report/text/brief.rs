@@ -8,7 +8,7 @@ use crate::{
         tables,
         wrap::{TextWidth, shortened, wrap},
     },
-    results::{Grade, NOMINAL, ParameterResult, Results, RunResult, Verdict},
+    results::{Grade, LoopParameterResult, NOMINAL, ParameterResult, Results, RunResult, Verdict},
 };
 use thetahat_ground::visible::visible;
 
@@ -125,8 +125,20 @@ fn estimates(run: &RunResult, of: &str, width: TextWidth) -> String {
         text += &wrap(&format!("not identified by the recordings{or_moved}"), "  ", width);
         text += &wrap(&names.join(" "), "    ", width);
     }
+    if !run.loop_parameters.is_empty() {
+        text += &wrap("of the simulated loop", "  ", width);
+        text += &side_by_side(&run.loop_parameters.iter().map(of_loop).collect::<Vec<_>>(), width);
+    }
     let held = tables::interval_counts(&[run]);
     text + &held.map_or_else(String::new, |line| wrap(&line, "  ", width))
+}
+
+/// Name, value, distance to the farther end of the interval and unit of an estimated quantity of the loop.
+fn of_loop(p: &LoopParameterResult) -> String {
+    let half = p.interval_95.map(|[low, high]| (p.estimate - low).max(high - p.estimate));
+    let width = half.map_or_else(|| NONE.to_owned(), |half| estimate(half, Some(half)));
+    let unit = if p.unit.is_empty() { "times" } else { &p.unit };
+    format!("{} {} \u{b1}{width} {unit}", p.name, estimate(p.estimate, half))
 }
 
 /// Name, value, distance to the farther end of the interval and unit of each parameter, in columns of the same width, and its possible shift.

@@ -260,14 +260,15 @@ fn of_negative(verdict: Verdict, run: &RunResult, same: &[&Finding]) -> VerdictR
 }
 
 /// An interval that excludes zero says that noise does not explain a negative inertia or friction. It says nothing where the
-/// residual of the joint is no noise: what the model lacks may explain it.
+/// residual of the joint is no noise: what the model lacks may explain it, and the model is judged apart. Positions alone have no other
+/// model.
 fn demanded(results: &Results, run: &RunResult, finding: &Finding) -> Option<Verdict> {
     let named = |joint: &&JointResidual| Some(joint_name(results, joint.joint)) == finding.joint_name;
     let of_joint = run.residual.iter().flat_map(|r| &r.joints).find(named);
     let limit = correlated_from(results, run);
     let interval_holds = of_joint.is_none_or(|joint| joint.autocorrelation <= limit);
     match finding.severity {
-        Severity::Problem if interval_holds => Some(Verdict::DoNotUse),
+        Severity::Problem if interval_holds || run.is_of_positions() => Some(Verdict::DoNotUse),
         Severity::Problem | Severity::Warning => Some(Verdict::Care),
         Severity::Note => None,
     }

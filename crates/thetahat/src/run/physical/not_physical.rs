@@ -65,7 +65,7 @@ fn negative(
     let remedy = if standard.quantity.role() == Role::MotorInertia {
         inertia_remedy(asked, &standard.name(), &joint)
     } else {
-        friction_remedy(asked, &joint)
+        friction_remedy(asked, run, &joint)
     };
     let (name, unit, value) = (&result.name, &result.unit, result.estimate);
     let high = result.interval_95.map(|[_, high]| high);
@@ -153,7 +153,13 @@ fn inertia_remedy(asked: bool, name: &str, joint: &str) -> String {
     )
 }
 
-fn friction_remedy(asked: bool, joint: &str) -> String {
+fn friction_remedy(asked: bool, run: &RunResult, joint: &str) -> String {
+    if run.is_of_positions() {
+        return format!(
+            "check the gains of the controller, the description's masses, and the signs of positions and commands of {joint}; one factor on all \
+             gains is estimated with loop_parameters = [\"drive-gain\"]"
+        );
+    }
     let consistent = if asked { "take the consistent estimate" } else { "set physical = true in [parameters]" };
     format!("{consistent}; look at the sign of the torque of {joint}, and record slow and fast motion of it")
 }
