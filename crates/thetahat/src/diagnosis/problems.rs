@@ -132,7 +132,8 @@ fn concern(code: Code) -> Concern {
         | Code::ExternalForce
         | Code::TorqueSaturated
         | Code::TorqueCopied
-        | Code::RecordingsContradict => Concern::All,
+        | Code::RecordingsContradict
+        | Code::ControllerMismatch => Concern::All,
         Code::TorqueConstant
         | Code::TorqueIdle
         | Code::TorqueNoise
@@ -155,7 +156,6 @@ fn concern(code: Code) -> Concern {
         | Code::PoorFit
         | Code::NotExcited
         | Code::ReferenceMismatch
-        | Code::ControllerMismatch
         | Code::GainDrift
         | Code::FrictionDrift
         | Code::NotPhysical

@@ -11,7 +11,7 @@ use thetahat_estimation::{
 use thetahat_model::robot::Transmission;
 
 /// Largest factor on `sign_velocity_scale`, and on its inverse.
-const MOST_OF_TRANSITION: f64 = 20.0;
+const MOST_OF_TRANSITION: f64 = 10.0;
 
 /// A quantity of the simulated loop that is not known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -39,7 +39,7 @@ pub enum LoopParameter {
 
 impl LoopParameter {
     /// Its name in an experiment file.
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::GearRatio => "gear-ratio",
             Self::DriveGain => "drive-gain",
@@ -54,7 +54,7 @@ impl LoopParameter {
     }
 
     /// Whether it is a gain of the controller.
-    pub(super) fn is_gain(self) -> bool {
+    pub(crate) fn is_gain(self) -> bool {
         match self {
             Self::PositionGain | Self::PositionGains | Self::VelocityGain | Self::VelocityGains => true,
             Self::GearRatio | Self::DriveGain | Self::DriveGains | Self::Delay | Self::FrictionTransition => false,

@@ -66,13 +66,26 @@ impl Identification {
     /// As [`Identification::run`].
     pub fn run_with_progress(&self, progress: &mut dyn FnMut(&str)) -> Result<Results, PreparationError> {
         let problems = self.problems(progress)?;
+        let assessed = self.assess_all(&problems, &self.setup().settings.all_cases(), progress)?;
+        match self.with_loop_estimated(&assessed, progress)? {
+            Some((with_loop, problems, assessed)) => with_loop.concluded(&problems, assessed, progress),
+            None => self.concluded(&problems, assessed, progress),
+        }
+    }
+
+    /// The results of all cases, with what is made of their estimates.
+    fn concluded(
+        &self,
+        problems: &[CaseProblem],
+        assessed: Vec<Vec<(RunResult, MethodEstimate)>>,
+        progress: &mut dyn FnMut(&str),
+    ) -> Result<Results, PreparationError> {
         let cases = self.setup().settings.all_cases();
-        let assessed = self.assess_all(&problems, &cases, progress)?;
         let (mut runs, mut user_runs, mut diagnostics) = (Vec::new(), Vec::new(), Vec::new());
         for (case, assessed) in cases.iter().zip(assessed) {
             progress(&format!("{}: diagnosis", case.name));
             let (mut results, estimated): (Vec<RunResult>, Vec<MethodEstimate>) = assessed.into_iter().unzip();
-            let problem = &self.problem_of(&problems, case).problem;
+            let problem = &self.problem_of(problems, case).problem;
             if case.name == NOMINAL {
                 self.add_hidden_biases(problem, &mut results, &estimated);
                 user_runs = self.user_runs(problem, &estimated, progress)?;
@@ -82,6 +95,8 @@ impl Identification {
         }
         progress("checking the recordings");
         let findings = self.findings(&problems[0].problem, &runs);
+        let of_loop = if self.records_torques() { None } else { self.wrong_loop(&runs, progress)? };
+        let findings = with_note(findings, of_loop);
         let results = self.results(&problems[0].problem, findings, runs, diagnostics)?;
         let mut results = Results { user_runs, ..results };
         if self.setup().settings.estimation.compare_terms {

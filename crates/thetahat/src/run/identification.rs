@@ -132,17 +132,26 @@ impl Identification {
     pub(super) fn with_terms(&self, terms: &[TermDescription]) -> Option<Self> {
         let mut robot = self.robot.clone();
         robot.add_terms(terms).ok()?;
-        Some(Self {
+        Some(Self { profiled: Vec::new(), ..self.variant(robot, self.settings.clone()) })
+    }
+
+    /// The same recordings with settings that filter them alike.
+    pub(super) fn with_settings(&self, settings: Settings) -> Self {
+        self.variant(self.robot.clone(), settings)
+    }
+
+    fn variant(&self, robot: Robot, settings: Settings) -> Self {
+        Self {
             robot,
-            settings: self.settings.clone(),
+            settings,
             proposed: None,
-            profiled: Vec::new(),
+            profiled: self.profiled.clone(),
             main: self.main.clone(),
             loaded: Vec::new(),
             validation: self.validation.clone(),
             estimators: Vec::new(),
             threads: self.threads,
-        })
+        }
     }
 
     /// The same with recordings that are held back to validate the estimates on.

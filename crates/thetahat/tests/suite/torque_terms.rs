@@ -288,17 +288,44 @@ fn a_law_that_fits_is_recommended_and_no_other() {
     assert_eq!(left, 0, "{again:?}");
 }
 
+/// What makes the links possible bodies.
+const BODIES: &str = "m1 = 4.0\nxx1 = 0.2\nyy1 = 1.1\nxx2 = 0.1\nyy2 = 0.35\n";
+
+#[test]
+fn late_commands_and_the_sign_of_friction_are_found_by_positions_alone() {
+    const LATE: usize = 3;
+    let robot = robot("", BODIES);
+    let recording = record(&robot, 12.0, None);
+    let (samples, reference) = (recording.position.len(), recording.reference.clone().unwrap());
+    let early = reference.window(LATE..samples);
+    let position = recording.position.window(0..samples - LATE);
+    let torque = recording.torque.clone().unwrap().window(0..samples - LATE);
+    let recording = Recording { torque: None, ..Recording::new(RATE_HZ, position, torque).with_reference(early) };
+    let mut settings = settings(&[Method::CLOE]);
+    settings.parameters.estimate = ParameterChoice::Named(NamedChoice::Drives);
+    settings.simulation.sign_velocity_scale = 4.0 * SCALE;
+    let results = Identification::new(&robot, vec![recording], settings).unwrap().run().unwrap();
+    let run = results.run("nominal", Method::CLOE).unwrap();
+    let [delay, transition] = &run.loop_parameters[..] else { panic!("{:?}", run.notes) };
+    let viscous = run.parameter("fv1").unwrap().interval_95;
+    let late_s = LATE as f64 / RATE_HZ;
+    for (interval, truth) in [(delay.interval_95, late_s), (transition.interval_95, SCALE), (viscous, 1.1)] {
+        let [low, high] = interval.unwrap();
+        assert!(low < truth && truth < high, "{truth}: {interval:?}");
+    }
+    assert!((delay.estimate / late_s - 1.0).abs() < 0.05, "{delay:?}");
+}
+
 #[test]
 fn a_law_is_recommended_by_positions_alone() {
-    let links = "m1 = 4.0\nxx1 = 0.2\nyy1 = 1.1\nxx2 = 0.1\nyy2 = 0.35\n";
     let term = "[[term]]\nkind = \"load-friction\"\njoints = [\"shoulder\"]\n";
-    let with_load = robot(term, &format!("fl1 = 0.3\n{links}"));
+    let with_load = robot(term, &format!("fl1 = 0.3\n{BODIES}"));
     let recording = record(&with_load, 12.0, None);
     let recording = Recording { truth: None, torque: None, ..recording };
     let mut settings = settings(&[Method::CLOE]);
     settings.estimation.compare_terms = true;
     settings.parameters.estimate = ParameterChoice::Named(NamedChoice::Drives);
-    let described = robot("", links);
+    let described = robot("", BODIES);
     let results = Identification::new(&described, vec![recording], settings).unwrap().run().unwrap();
     let comparison = results.term_comparison.as_ref().unwrap();
     let recommended =

@@ -67,8 +67,7 @@ impl ProposedControl {
             ),
         };
         format!(
-            "{desired}{}[estimation]\nmethods = [\"cloe\"]\n# Of the loop: how late the commands act, half a step if they are held, and the velocity at which friction changes its sign.\n\
-             loop_parameters = [\"delay\", \"friction-transition\"]\n\n{}",
+            "{desired}{}[estimation]\nmethods = [\"cloe\"]\n\n{}",
             self.what_is_estimated(),
             controller(&self.position_gain, &self.velocity_gain),
         )

@@ -3,26 +3,15 @@
 
 use super::comparison::recommend;
 use crate::{
-    diagnosis::independent_rows,
-    preparation::{Case, PreparationError},
-    run::identification::Identification,
+    preparation::PreparationError,
+    run::{fitted_positions::FittedPositions, identification::Identification},
 };
-use thetahat_estimation::{
-    identification::{Method, Status},
-    signal::Motion,
-};
+use thetahat_estimation::signal::Motion;
 use thetahat_model::robot::TermDescription;
-use thetahat_report::results::{JointTermComparison, ParameterResult, RunResult, TermComparison, TermLaw};
+use thetahat_report::results::{JointTermComparison, ParameterResult, TermComparison, TermLaw};
 
 /// Velocity at which a friction falls off, as a part of the largest velocity of its joint.
 const FALLS_OFF_AT: f64 = 0.1;
-
-/// A fit of the positions, with the squares of its residual and the independent samples in it, joint by joint.
-struct FittedPositions {
-    run: RunResult,
-    squares: Vec<f64>,
-    effective: Vec<f64>,
-}
 
 impl Identification {
     /// Compares laws of torque terms by the simulated positions; none if the model as described does not converge.
@@ -59,22 +48,10 @@ impl Identification {
             cross_validation_relative_error_percent: left_out,
             laws,
         });
-        Ok(Some(TermComparison { effective_samples: as_described.effective.iter().sum(), joints: joints.collect() }))
-    }
-
-    /// The positions fitted by CLOE; none if it does not converge.
-    fn fitted_positions(&self, progress: &mut dyn FnMut(&str)) -> Result<Option<FittedPositions>, PreparationError> {
-        let case = Case { methods: Some(vec![Method::CLOE]), ..Case::nominal() };
-        let problems = self.problems(progress)?;
-        let assessed = self.assess_all(&problems, std::slice::from_ref(&case), progress)?;
-        let fitted = assessed.into_iter().flatten().find_map(|(run, estimate)| {
-            let fit = estimate.outcome.fit.as_ref().filter(|_| run.status == Status::Converged)?;
-            let residual: Vec<f64> = estimate.regression.y.iter().zip(&fit.prediction).map(|(y, p)| y - p).collect();
-            let layout = &estimate.regression.layout;
-            let effective = layout.runs(&residual).iter().map(|stretches| independent_rows(stretches)).collect();
-            Some(FittedPositions { run, squares: layout.squares(&residual), effective })
-        });
-        Ok(fitted)
+        Ok(Some(TermComparison {
+            effective_samples: as_described.residual.effective.iter().sum(),
+            joints: joints.collect(),
+        }))
     }
 
     /// The largest velocity of each coordinate, rad/s or m/s.
@@ -98,8 +75,8 @@ impl FittedPositions {
         description: &TermDescription,
         parameters: Vec<String>,
     ) -> TermLaw {
-        let independent = self.effective[coordinate];
-        let fit = independent * (with_law.squares[coordinate] / self.squares[coordinate]).ln();
+        let independent = self.residual.effective[coordinate];
+        let fit = independent * (with_law.residual.squares[coordinate] / self.residual.squares[coordinate]).ln();
         let found: Vec<&ParameterResult> = parameters.iter().filter_map(|name| with_law.run.parameter(name)).collect();
         // What the law of another joint does to this one is in the squares, and not in the estimates.
         let in_deviations = |p: &&ParameterResult| p.deviation().map_or(0.0, |deviation| p.estimate / deviation);
