@@ -5,6 +5,7 @@ use std::cell::Cell;
 use super::{
     assessment::Assessment,
     curves,
+    estimated_loop::LoopIdentification,
     estimation_data::EstimationData,
     examination::{ExaminationModel, compare, examine, examine_robot, with_note, with_positions_explained},
     explained_by_model::{keep_causes_of_these_data, with_model_explained},
@@ -68,7 +69,9 @@ impl Identification {
         let problems = self.problems(progress)?;
         let assessed = self.assess_all(&problems, &self.setup().settings.all_cases(), progress)?;
         match self.with_loop_estimated(&assessed, progress)? {
-            Some((with_loop, problems, assessed)) => with_loop.concluded(&problems, assessed, progress),
+            Some(LoopIdentification { identification, problems, assessed }) => {
+                identification.concluded(&problems, assessed, progress)
+            }
             None => self.concluded(&problems, assessed, progress),
         }
     }

@@ -18,18 +18,25 @@ use thetahat_report::results::{NOMINAL, RunResult};
 const VERY_STRONG: f64 = -10.0;
 
 /// A run, and its estimate.
-type Estimated = (RunResult, MethodEstimate);
+type MethodRun = (RunResult, MethodEstimate);
+
+/// An identification that estimates quantities of the loop, its problems, and every method of every case.
+pub(super) struct LoopIdentification {
+    pub(super) identification: Identification,
+    pub(super) problems: Vec<CaseProblem>,
+    pub(super) assessed: Vec<Vec<MethodRun>>,
+}
 
 impl Identification {
-    /// The same with quantities of the loop estimated, its problems and what is assessed; none where they do not explain the positions better.
+    /// The same with quantities of the loop estimated; none if they do not explain the positions better.
     ///
     /// # Errors
     /// [`PreparationError`] where a recording cannot be filtered.
     pub(super) fn with_loop_estimated(
         &self,
-        described: &[Vec<Estimated>],
+        described: &[Vec<MethodRun>],
         progress: &mut dyn FnMut(&str),
-    ) -> Result<Option<(Self, Vec<CaseProblem>, Vec<Vec<Estimated>>)>, PreparationError> {
+    ) -> Result<Option<LoopIdentification>, PreparationError> {
         let mut settings = self.setup().settings.clone();
         let is_asked = !settings.estimation.loop_parameters.is_empty() || !self.estimators.is_empty();
         if is_asked || self.records_torques() {
@@ -55,11 +62,11 @@ impl Identification {
                  changes its sign: they leave {percent:.0} % of the squared error"
             )
         }));
-        Ok(Some((with_loop, problems, assessed)))
+        Ok(Some(LoopIdentification { identification: with_loop, problems, assessed }))
     }
 
     /// Whether what was estimated of the loop is possible and predicts better than what is described.
-    fn explains(&self, (described, of_described): &Estimated, (run, estimate): &Estimated) -> bool {
+    fn explains(&self, (described, of_described): &MethodRun, (run, estimate): &MethodRun) -> bool {
         if run.status != Status::Converged || self.early_commands(run).is_some() {
             return false;
         }
@@ -73,14 +80,14 @@ impl Identification {
     }
 }
 
-fn is_nominal((run, _): &Estimated) -> bool {
+fn is_nominal((run, _): &MethodRun) -> bool {
     run.case == NOMINAL && run.method == Method::CLOE
 }
 
-fn nominal(assessed: &[Vec<Estimated>]) -> Option<&Estimated> {
+fn nominal(assessed: &[Vec<MethodRun>]) -> Option<&MethodRun> {
     assessed.iter().flatten().find(|estimated| is_nominal(estimated))
 }
 
-fn nominal_mut(assessed: &mut [Vec<Estimated>]) -> Option<&mut Estimated> {
+fn nominal_mut(assessed: &mut [Vec<MethodRun>]) -> Option<&mut MethodRun> {
     assessed.iter_mut().flatten().find(|estimated| is_nominal(estimated))
 }

@@ -65,7 +65,7 @@ impl Identification {
         })
     }
 
-    /// Gains that are not those described; none where others explain no more, or are estimated already.
+    /// Gains that are not those described; none if others explain no more, or are estimated already.
     ///
     /// # Errors
     /// [`PreparationError`] where a recording cannot be filtered.
