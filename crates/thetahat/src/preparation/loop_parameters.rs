@@ -241,6 +241,16 @@ mod tests {
 
     /// Gains by bandwidth and gains as stated give the same signal, before and after a factor.
     #[test]
+    fn the_sign_of_friction_changes_within_a_factor_of_ten() {
+        let loop_parameters = LoopParameters::new(&[LoopParameter::Delay, LoopParameter::FrictionTransition], 2);
+        assert_eq!(loop_parameters.within_bounds(vec![-3.0, -7.0]), [-3.0, -MOST_OF_TRANSITION.ln()]);
+        assert_eq!(loop_parameters.within_bounds(vec![0.1, 1.0]), [0.1, 1.0]);
+        let description = ControllerDescription::pd(10.0);
+        let changed = loop_parameters.apply(&[0.0, 2.0_f64.ln()], parts(&description), &[1.0; 2]);
+        assert!((changed.sign_velocity_factor - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
     fn one_motors_gain_is_multiplied_and_the_other_stays() {
         let description = ControllerDescription::pd(10.0);
         let inertia = [2.0, 5.0];

@@ -316,7 +316,8 @@ pub struct EstimationOptions {
     pub start: Start,
     /// Gains of a controller that is given by its bandwidth.
     pub gains: Gains,
-    /// What CLIE and CLOE estimate of the loop in addition to the parameters; gains stay those of the start values then.
+    /// What CLIE and CLOE estimate of the loop in addition to the parameters; gains stay those of the start values then. Where no torques are
+    /// recorded and none is named, `delay` and `friction-transition` are estimated if they explain the positions.
     pub loop_parameters: Vec<LoopParameter>,
     /// Whether laws of torque terms are compared, for the user to accept.
     pub compare_terms: bool,

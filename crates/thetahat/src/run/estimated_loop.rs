@@ -5,6 +5,7 @@
 use super::{
     fitted_positions::PositionResidual,
     identification::{CaseProblem, Identification},
+    terms::comparison::VERY_STRONG,
 };
 use crate::{
     diagnosis::MethodEstimate,
@@ -12,10 +13,6 @@ use crate::{
 };
 use thetahat_estimation::identification::{Method, Status};
 use thetahat_report::results::{NOMINAL, RunResult};
-
-/// Change of the information criterion below which they are estimated: very strong evidence (R. E. Kass, A. E. Raftery, "Bayes factors",
-/// Journal of the American Statistical Association 90, 1995, p. 777).
-const VERY_STRONG: f64 = -10.0;
 
 /// A run, and its estimate.
 type MethodRun = (RunResult, MethodEstimate);
@@ -48,35 +45,26 @@ impl Identification {
         let mut of_loop = |line: &str| progress(&format!("with a delay: {line}"));
         let problems = with_loop.problems(&mut of_loop)?;
         let mut assessed = with_loop.assess_all(&problems, &with_loop.setup().settings.all_cases(), &mut of_loop)?;
-        let Some((run, estimate)) = nominal_mut(&mut assessed).filter(|other| with_loop.explains(as_described, other))
-        else {
-            return Ok(None);
-        };
-        let left =
-            PositionResidual::of(&as_described.1).zip(PositionResidual::of(estimate)).map(|(described, other)| {
-                100.0 * other.squares.iter().sum::<f64>() / described.squares.iter().sum::<f64>()
-            });
-        run.notes.extend(left.map(|percent| {
-            format!(
-                "of the loop are estimated how late commands act, half a step if they are held, and the velocity at which friction \
-                 changes its sign: they leave {percent:.0} % of the squared error"
-            )
-        }));
+        let Some(estimated) = nominal_mut(&mut assessed) else { return Ok(None) };
+        let Some(left) = with_loop.left_by_loop(as_described, estimated) else { return Ok(None) };
+        estimated.0.notes.push(format!(
+            "of the loop are estimated how late commands act, half a step if they are held, and the velocity at which friction changes its \
+             sign: they leave {:.0} % of the squared error",
+            100.0 * left
+        ));
         Ok(Some(LoopIdentification { identification: with_loop, problems, assessed }))
     }
 
-    /// Whether what was estimated of the loop is possible and predicts better than what is described.
-    fn explains(&self, (described, of_described): &MethodRun, (run, estimate): &MethodRun) -> bool {
-        if run.status != Status::Converged || self.early_commands(run).is_some() {
-            return false;
-        }
+    /// The part of the squared error that an estimated loop leaves; none if it is not possible, or predicts no better than what is described.
+    fn left_by_loop(&self, (described, of_described): &MethodRun, (run, estimate): &MethodRun) -> Option<f64> {
+        let is_possible = run.status == Status::Converged && self.early_commands(run).is_none();
+        let after = PositionResidual::of(estimate).filter(|_| is_possible)?;
+        let before = PositionResidual::of(of_described)?;
         let unseen = |run: &RunResult| run.cross_validation_relative_error_percent;
         let predicts = unseen(described).zip(unseen(run)).is_none_or(|(before, after)| after <= before);
-        let residuals = PositionResidual::of(of_described).zip(PositionResidual::of(estimate));
-        let more = run.loop_parameters.len() as f64;
-        let is_needed =
-            |(before, after): (PositionResidual, PositionResidual)| before.criterion_change(&after, more) < VERY_STRONG;
-        described.status != Status::Converged || predicts && residuals.is_some_and(is_needed)
+        let is_needed = before.criterion_change(&after, run.loop_parameters.len() as f64) < VERY_STRONG;
+        let is_better = described.status != Status::Converged || predicts && is_needed;
+        is_better.then(|| after.squares.iter().sum::<f64>() / before.squares.iter().sum::<f64>())
     }
 }
 

@@ -45,23 +45,20 @@ impl Identification {
     pub(super) fn early_commands(&self, run: &RunResult) -> Option<Finding> {
         let rate_hz = self.main.first()?.filtered.recording.sample_rate_hz;
         let delay = run.loop_parameters.iter().find(|p| p.name == "delay")?;
-        (delay.estimate * rate_hz < -SHIFTED).then(|| Finding {
-            code: Code::ControllerMismatch,
-            severity: Severity::Problem,
-            joint: None,
-            joint_name: None,
-            value: 1e3 * delay.estimate,
-            unit: "ms".to_owned(),
-            limit: Some(-1e3 * SHIFTED / rate_hz),
-            message: format!(
-                "the commands act {} ms before they are given in the loop that fits best",
-                significant(-1e3 * delay.estimate, 3)
-            ),
-            remedy: "check columns, units, signs and times of commands and positions, the gains, and limits of the controller \
-                     (saturation in [controller])"
-                .to_owned(),
-            parameters: Vec::new(),
-            step: None,
+        let early_ms = significant(-1e3 * delay.estimate, 3);
+        (delay.estimate * rate_hz < -SHIFTED).then(|| {
+            Finding {
+                value: 1e3 * delay.estimate,
+                unit: "ms".to_owned(),
+                limit: Some(-1e3 * SHIFTED / rate_hz),
+                ..mismatch(
+                    Severity::Problem,
+                    format!("the commands act {early_ms} ms before they are given in the loop that fits best"),
+                    "check columns, units, signs and times of commands and positions, the gains, and limits of the controller (saturation in \
+                     [controller])"
+                        .to_owned(),
+                )
+            }
         })
     }
 
@@ -111,27 +108,41 @@ impl Identification {
         let keys = self.setup().settings.estimation.loop_parameters.iter().chain([&gains]);
         let keys: Vec<String> = keys.map(|p| format!("\"{}\"", p.name())).collect();
         Finding {
-            code: Code::ControllerMismatch,
-            severity: if largest > LARGE { Severity::Problem } else { Severity::Warning },
-            joint: None,
-            joint_name: None,
             value: 100.0 * largest,
             unit: "% of a gain".to_owned(),
             limit: Some(100.0 * NAMED),
-            message: format!(
-                "gains of the controller times {} leave {} % error of the simulated positions instead of {} %",
-                named.join(", "),
-                significant(left, 3),
-                significant(described, 3),
-            ),
-            remedy: format!(
-                "check position_gain and velocity_gain of [controller], their order and unit, and the masses of the description: larger gains \
-                 and lighter links act alike; loop_parameters = [{}] in [estimation] takes the factors",
-                keys.join(", ")
-            ),
-            parameters: Vec::new(),
-            step: None,
+            ..mismatch(
+                if largest > LARGE { Severity::Problem } else { Severity::Warning },
+                format!(
+                    "gains of the controller times {} leave {} % error of the simulated positions instead of {} %",
+                    named.join(", "),
+                    significant(left, 3),
+                    significant(described, 3),
+                ),
+                format!(
+                    "check position_gain and velocity_gain of [controller], their order and unit, and the masses of the description: larger \
+                     gains and lighter links act alike; loop_parameters = [{}] in [estimation] takes the factors",
+                    keys.join(", ")
+                ),
+            )
         }
+    }
+}
+
+/// A finding against the controller as a whole.
+fn mismatch(severity: Severity, message: String, remedy: String) -> Finding {
+    Finding {
+        code: Code::ControllerMismatch,
+        severity,
+        joint: None,
+        joint_name: None,
+        value: 0.0,
+        unit: String::new(),
+        limit: None,
+        message,
+        remedy,
+        parameters: Vec::new(),
+        step: None,
     }
 }
 

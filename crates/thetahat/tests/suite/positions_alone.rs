@@ -2,13 +2,15 @@
 
 use std::path::Path;
 
+use super::torque_terms::{RATE_HZ, SCALE, controller, record_in_loop, robot, settings};
 use thetahat::{
-    Experiment, Method, Results,
+    ControllerDescription, Experiment, Identification, Method, Recording, Results, Settings,
+    checks::Code,
     experiment::EstimateRequest,
     export::{ExportError, ExportFormat, IdentifiedModel},
     identification::Status,
-    preparation::LoopParameter,
-    results::RunResult,
+    preparation::{LoopParameter, NamedChoice, ParameterChoice},
+    results::{RunResult, Verdict},
 };
 use thetahat_report::report;
 use thetahat_testing::root;
@@ -93,4 +95,85 @@ fn gains_and_inertias_that_grow_alike_are_named() {
     assert_eq!(run.status, Status::NotIdentifiable, "{:?}", run.reason);
     let reason = run.reason.unwrap();
     assert!(reason.contains("separates only 109 of 110 parameters"), "{reason}");
+}
+
+/// What makes the links possible bodies.
+const BODIES: &str = "m1 = 4.0\nxx1 = 0.2\nyy1 = 1.1\nxx2 = 0.1\nyy2 = 0.35\n";
+
+/// Drives by positions, with the links as they are described.
+fn of_drives() -> Settings {
+    let mut settings = settings(&[Method::CLOE]);
+    settings.parameters.estimate = ParameterChoice::Named(NamedChoice::Drives);
+    settings
+}
+
+/// A recording without what positions alone do not have.
+fn without_torques(recording: Recording) -> Recording {
+    Recording { truth: None, torque: None, ..recording }
+}
+
+#[test]
+fn gains_that_are_a_fifth_too_low_are_named_with_their_factor() {
+    let robot = robot("", BODIES);
+    let with_gains = |factor: f64| -> ControllerDescription {
+        let gains = [400.0, 120.0, 30.0, 8.0].map(|gain| factor * gain);
+        let text = format!("law = 'pd'\nposition_gain = {:?}\nvelocity_gain = {:?}", &gains[..2], &gains[2..]);
+        toml::from_str(&text).unwrap()
+    };
+    let recording = without_torques(record_in_loop(&robot, &with_gains(1.0), 12.0, None));
+    let found = |factor: f64| {
+        let settings = of_drives().with_controller(with_gains(factor));
+        let results = Identification::new(&robot, vec![recording.clone()], settings).unwrap().run().unwrap();
+        let named = results.findings.iter().flat_map(|r| &r.findings).find(|f| f.code == Code::ControllerMismatch);
+        (results.verdict, named.cloned())
+    };
+    let (right, none) = found(1.0);
+    assert!(right == Some(Verdict::Care) && none.is_none(), "{none:?}");
+    let (verdict, named) = found(0.8);
+    let named = named.unwrap();
+    assert!(named.message.starts_with("gains of the controller times 1.25 for all motors"), "{named:?}");
+    assert_eq!(verdict, Some(Verdict::DoNotUse));
+}
+
+#[test]
+fn late_commands_and_the_sign_of_friction_are_found_by_positions_alone() {
+    const LATE: usize = 3;
+    let robot = robot("", BODIES);
+    let recording = record_in_loop(&robot, &controller(), 12.0, None);
+    let (samples, reference) = (recording.position.len(), recording.reference.clone().unwrap());
+    let early = reference.window(LATE..samples);
+    let position = recording.position.window(0..samples - LATE);
+    let torque = recording.torque.clone().unwrap().window(0..samples - LATE);
+    let recording = without_torques(Recording::new(RATE_HZ, position, torque).with_reference(early));
+    let mut settings = of_drives();
+    settings.simulation.sign_velocity_scale = 4.0 * SCALE;
+    let results = Identification::new(&robot, vec![recording], settings).unwrap().run().unwrap();
+    let run = results.run("nominal", Method::CLOE).unwrap();
+    let [delay, transition] = &run.loop_parameters[..] else { panic!("{:?}", run.notes) };
+    let viscous = run.parameter("fv1").unwrap().interval_95;
+    let late_s = LATE as f64 / RATE_HZ;
+    for (interval, truth) in [(delay.interval_95, late_s), (transition.interval_95, SCALE), (viscous, 1.1)] {
+        let [low, high] = interval.unwrap();
+        assert!(low < truth && truth < high, "{truth}: {interval:?}");
+    }
+    assert!((delay.estimate / late_s - 1.0).abs() < 0.05, "{delay:?}");
+}
+
+#[test]
+fn a_law_is_recommended_by_positions_alone() {
+    let term = "[[term]]\nkind = \"load-friction\"\njoints = [\"shoulder\"]\n";
+    let with_load = robot(term, &format!("fl1 = 0.3\n{BODIES}"));
+    let recording = record_in_loop(&with_load, &controller(), 12.0, None);
+    let recording = without_torques(recording);
+    let mut settings = of_drives();
+    settings.estimation.compare_terms = true;
+    let described = robot("", BODIES);
+    let results = Identification::new(&described, vec![recording], settings).unwrap().run().unwrap();
+    let comparison = results.term_comparison.as_ref().unwrap();
+    let recommended =
+        comparison.joints.iter().flat_map(|j| j.laws.iter().filter(|l| l.recommended).map(|l| (j.joint.as_str(), l)));
+    let recommended: Vec<_> = recommended.collect();
+    let [("shoulder", law)] = recommended[..] else { panic!("{recommended:?}") };
+    assert_eq!((law.law.as_str(), law.parameters.as_slice()), ("load-friction", ["fl1".to_owned()].as_slice()));
+    assert!((law.estimates[0] - 0.3).abs() < 0.02, "{law:?}");
 }

@@ -6,14 +6,13 @@ use thetahat::{
     ControllerDescription, Identification, Method, Recording, Results, Robot, Series, Settings,
     dynamics::Model,
     identification::Status,
-    preparation::{NamedChoice, ParameterChoice},
     simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatorBias, Solver},
 };
 use thetahat_estimation::simulation::{Job, simulate_all};
 use thetahat_model::robot::TermDescription;
 
-const RATE_HZ: f64 = 500.0;
-const SCALE: f64 = 0.005;
+pub(super) const RATE_HZ: f64 = 500.0;
+pub(super) const SCALE: f64 = 0.005;
 
 /// Two joints, whose terms and further a-priori values come behind.
 const ROBOT: &str = r#"
@@ -32,11 +31,11 @@ matrix = [[50, 0], [0, 30]]
 const VALUES: &str = "[parameters]\nzz1 = 1.2\nmx1 = 0.8\nm2 = 1.5\nmx2 = 0.5\nzz2 = 0.4\nia1 = 0.3\nia2 = 0.2\n\
                       fv1 = 1.1\nfc1 = 1.6\nfv2 = 0.7\nfc2 = 0.9\n";
 
-fn robot(terms: &str, values: &str) -> Robot {
+pub(super) fn robot(terms: &str, values: &str) -> Robot {
     Robot::parse(&format!("{ROBOT}{terms}{VALUES}{values}"), Path::new("two.toml")).unwrap()
 }
 
-fn controller() -> ControllerDescription {
+pub(super) fn controller() -> ControllerDescription {
     toml::from_str("law = 'pd'\nbandwidth_hz = [15]\nvelocity_feed_forward = 1.0\nacceleration_feed_forward = 1.0")
         .unwrap()
 }
@@ -64,14 +63,24 @@ fn noisy(series: &Series, deviation: f64) -> Series {
 
 /// The record of a twin of a robot with its a-priori parameters; `channel` is recorded along.
 fn record(robot: &Robot, seconds: f64, channel: Option<(&str, &Series)>) -> Recording {
-    let (model, controller, theta) = (Model::new(robot), controller(), robot.a_priori_parameters());
+    record_in_loop(robot, &controller(), seconds, channel)
+}
+
+/// The same in the loop of a controller.
+pub(super) fn record_in_loop(
+    robot: &Robot,
+    controller: &ControllerDescription,
+    seconds: f64,
+    channel: Option<(&str, &Series)>,
+) -> Recording {
+    let (model, theta) = (Model::new(robot), robot.a_priori_parameters());
     let reference = wave(seconds);
     let followed = Reference::Sampled(SampledReference::new(reference.clone(), RATE_HZ));
     let side_by_side = channel.map(|(_, s)| Series::side_by_side(&[s.channel(0), s.channel(0)]));
     let closed_loop = ClosedLoop {
         model: &model,
         transmission: &robot.transmission,
-        controller: &controller,
+        controller,
         reference: &followed,
         added_signal: None,
         channels: side_by_side.as_ref().map(|s| (s, RATE_HZ)),
@@ -88,7 +97,7 @@ fn record(robot: &Robot, seconds: f64, channel: Option<(&str, &Series)>) -> Reco
     channel.map_or(recording.clone(), |(name, series)| recording.with_channel(name, series.clone()))
 }
 
-fn settings(methods: &[Method]) -> Settings {
+pub(super) fn settings(methods: &[Method]) -> Settings {
     let mut settings = Settings::new(30.0, 10).with_methods(methods.iter().copied()).with_controller(controller());
     settings.simulation.sign_velocity_scale = SCALE;
     settings
@@ -286,54 +295,6 @@ fn a_law_that_fits_is_recommended_and_no_other() {
     println!("{}", thetahat_report::report::text::all(&results, None, thetahat_report::report::TextWidth::DEFAULT));
     let left = again.joints.iter().flat_map(|j| &j.laws).filter(|l| l.recommended).count();
     assert_eq!(left, 0, "{again:?}");
-}
-
-/// What makes the links possible bodies.
-const BODIES: &str = "m1 = 4.0\nxx1 = 0.2\nyy1 = 1.1\nxx2 = 0.1\nyy2 = 0.35\n";
-
-#[test]
-fn late_commands_and_the_sign_of_friction_are_found_by_positions_alone() {
-    const LATE: usize = 3;
-    let robot = robot("", BODIES);
-    let recording = record(&robot, 12.0, None);
-    let (samples, reference) = (recording.position.len(), recording.reference.clone().unwrap());
-    let early = reference.window(LATE..samples);
-    let position = recording.position.window(0..samples - LATE);
-    let torque = recording.torque.clone().unwrap().window(0..samples - LATE);
-    let recording = Recording { torque: None, ..Recording::new(RATE_HZ, position, torque).with_reference(early) };
-    let mut settings = settings(&[Method::CLOE]);
-    settings.parameters.estimate = ParameterChoice::Named(NamedChoice::Drives);
-    settings.simulation.sign_velocity_scale = 4.0 * SCALE;
-    let results = Identification::new(&robot, vec![recording], settings).unwrap().run().unwrap();
-    let run = results.run("nominal", Method::CLOE).unwrap();
-    let [delay, transition] = &run.loop_parameters[..] else { panic!("{:?}", run.notes) };
-    let viscous = run.parameter("fv1").unwrap().interval_95;
-    let late_s = LATE as f64 / RATE_HZ;
-    for (interval, truth) in [(delay.interval_95, late_s), (transition.interval_95, SCALE), (viscous, 1.1)] {
-        let [low, high] = interval.unwrap();
-        assert!(low < truth && truth < high, "{truth}: {interval:?}");
-    }
-    assert!((delay.estimate / late_s - 1.0).abs() < 0.05, "{delay:?}");
-}
-
-#[test]
-fn a_law_is_recommended_by_positions_alone() {
-    let term = "[[term]]\nkind = \"load-friction\"\njoints = [\"shoulder\"]\n";
-    let with_load = robot(term, &format!("fl1 = 0.3\n{BODIES}"));
-    let recording = record(&with_load, 12.0, None);
-    let recording = Recording { truth: None, torque: None, ..recording };
-    let mut settings = settings(&[Method::CLOE]);
-    settings.estimation.compare_terms = true;
-    settings.parameters.estimate = ParameterChoice::Named(NamedChoice::Drives);
-    let described = robot("", BODIES);
-    let results = Identification::new(&described, vec![recording], settings).unwrap().run().unwrap();
-    let comparison = results.term_comparison.as_ref().unwrap();
-    let recommended =
-        comparison.joints.iter().flat_map(|j| j.laws.iter().filter(|l| l.recommended).map(|l| (j.joint.as_str(), l)));
-    let recommended: Vec<_> = recommended.collect();
-    let [("shoulder", law)] = recommended[..] else { panic!("{recommended:?}") };
-    assert_eq!((law.law.as_str(), law.parameters.as_slice()), ("load-friction", ["fl1".to_owned()].as_slice()));
-    assert!((law.estimates[0] - 0.3).abs() < 0.02, "{law:?}");
 }
 
 #[test]

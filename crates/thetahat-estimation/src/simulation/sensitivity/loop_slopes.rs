@@ -19,7 +19,7 @@ const MOST_STAGES: usize = 8;
 pub(super) struct LoopSlopes {
     torques: TorqueSlopes,
     parameters: ParameterColumns,
-    transition: TransitionColumns,
+    transition: Option<TransitionColumns>,
     /// One for each stage of a step.
     jacobians: Vec<Jacobian>,
     terms: LinearTerms,
@@ -75,7 +75,9 @@ impl LoopSlopes {
     pub(super) fn evaluate_stages(&mut self, system: &Loop<'_>, motion: &StageMotion, stages: Range<usize>) {
         let (plant, series) = (&system.plant, motion.series());
         self.parameters.evaluate(plant, series, motion.channels());
-        self.transition.evaluate(plant, motion, stages.clone());
+        if let Some(transition) = &mut self.transition {
+            transition.evaluate(plant, motion, stages.clone());
+        }
         plant.model.inverse_dynamics_jacobians(
             &plant.parameters,
             series,
@@ -101,7 +103,9 @@ impl LoopSlopes {
         terms.by_position.iter_mut().zip(by_position).for_each(|(a, j)| *a += j);
         terms.by_velocity.iter_mut().zip(by_velocity).for_each(|(b, j)| *b += j);
         parameters.subtract(stage, &mut terms.explicit);
-        transition.subtract(stage, &mut terms.explicit);
+        if let Some(transition) = transition {
+            transition.subtract(stage, &mut terms.explicit);
+        }
         terms
     }
 }

@@ -16,32 +16,29 @@ pub(super) struct TransitionColumns {
     slopes: Vec<f64>,
     /// Scratch: torques with the larger velocity, and with the smaller one.
     torques: [Vec<f64>; 2],
-    no_channels: Vec<f64>,
 }
 
 impl TransitionColumns {
-    pub(super) fn new(setup: &ClosedLoop<'_>, to: &[SensitiveTo]) -> Self {
+    /// None if no column is asked for.
+    pub(super) fn new(setup: &ClosedLoop<'_>, to: &[SensitiveTo]) -> Option<Self> {
         let n = setup.model.coordinate_count();
-        Self {
-            columns: SensitiveTo::FrictionTransition.columns_of(to),
+        let columns = SensitiveTo::FrictionTransition.columns_of(to);
+        (!columns.is_empty()).then(|| Self {
+            columns,
             scale: setup.sign_velocity_scale,
             workspace: Workspace::new(setup.model),
             slopes: Vec::new(),
             torques: [vec![0.0; n], vec![0.0; n]],
-            no_channels: Vec::new(),
-        }
+        })
     }
 
     /// Computes the derivatives in these stages of a step.
     pub(super) fn evaluate(&mut self, plant: &Plant<'_>, motion: &StageMotion, stages: Range<usize>) {
-        if self.columns.is_empty() {
-            return;
-        }
         let [q, dq, ddq] = motion.series();
         let n = q.channels();
         self.slopes.resize(stages.end * n, 0.0);
         for stage in stages {
-            let channels = motion.channels().map_or(&self.no_channels[..], |channels| channels.sample(stage));
+            let channels = motion.channels().map_or(&[][..], |channels| channels.sample(stage));
             let state = State::new(q.sample(stage), dq.sample(stage)).with_channels(channels);
             for (torques, step) in self.torques.iter_mut().zip([STEP, -STEP]) {
                 let sign = Sign::Smooth { scale: self.scale * step.exp() };

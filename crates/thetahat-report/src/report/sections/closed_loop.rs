@@ -21,8 +21,8 @@ pub(in crate::report) fn loop_parameters(results: &Results) -> Option<Table> {
         head: strings(&["case", "method", "quantity", "unit", "estimate", "sd", "95 % from", "to"]),
         rows,
         notes: strings(&[
-            "Factors on the values in the experiment file, an added delay, the velocity at which friction changes its sign. sd: classical; the interval allows for correlated \
-             errors.",
+            "Factors on the values in the experiment file, an added delay, the velocity at which friction changes its sign. sd: classical; the \
+             interval allows for correlated errors.",
         ]),
         ..Table::default()
     })

@@ -24,7 +24,7 @@ use thetahat_report::results::{JointTermComparison, TermComparison, TermLaw};
 
 /// Change of the criterion below which the evidence for a law is very strong (R. E. Kass, A. E. Raftery, "Bayes factors",
 /// Journal of the American Statistical Association 90, 1995, p. 777).
-const VERY_STRONG: f64 = -10.0;
+pub(in crate::run) const VERY_STRONG: f64 = -10.0;
 /// The model as described, or with another law.
 struct ComparedTerm {
     estimates: Vec<f64>,
