@@ -9,9 +9,9 @@ use super::{
 };
 use crate::{
     diagnosis::MethodEstimate,
-    preparation::{LoopParameter, PreparationError},
+    preparation::{Case, LoopParameter, PreparationError},
 };
-use thetahat_estimation::identification::{Method, Status};
+use thetahat_estimation::identification::{Method, Status, idim_ls};
 use thetahat_report::results::{NOMINAL, RunResult};
 
 /// A run, and its estimate.
@@ -44,6 +44,9 @@ impl Identification {
         let with_loop = self.with_settings(settings);
         let mut of_loop = |line: &str| progress(&format!("with a delay: {line}"));
         let problems = with_loop.problems(&mut of_loop)?;
+        if !with_loop.may_explain(&problems, as_described) {
+            return Ok(None);
+        }
         let mut assessed = with_loop.assess_all(&problems, &with_loop.setup().settings.all_cases(), &mut of_loop)?;
         let Some(estimated) = nominal_mut(&mut assessed) else { return Ok(None) };
         let Some(left) = with_loop.left_by_loop(as_described, estimated) else { return Ok(None) };
@@ -53,6 +56,23 @@ impl Identification {
             100.0 * left
         ));
         Ok(Some(LoopIdentification { identification: with_loop, problems, assessed }))
+    }
+
+    /// Whether the quantities of the loop would explain the positions better if these were linear in them, where the fit of the loop as it is
+    /// described ends (the score test of C. R. Rao, 1948): one simulation instead of another fit.
+    fn may_explain(&self, problems: &[CaseProblem], (described, of_described): &MethodRun) -> bool {
+        let Some(fit) = of_described.outcome.fit.as_ref().filter(|_| described.status == Status::Converged) else {
+            return true;
+        };
+        let case = Case::nominal();
+        let job = self.job(self.problem_of(problems, &case), &case, Method::CLOE);
+        let Some(at_estimate) = job.linearised(&fit.theta, self.threads) else { return true };
+        let residual = job.regression.residual(&at_estimate.response);
+        let linear = job.regression.with_matrix(at_estimate.sensitivities).with_measured(residual.clone());
+        let Ok(step) = idim_ls(&linear, self.setup().settings.estimation.variance) else { return true };
+        let residuals = [&residual, &linear.residual(&step.prediction)];
+        let [before, after] = residuals.map(|residual| PositionResidual::new(&linear.layout, residual));
+        before.criterion_change(&after, job.names_of_loop().len() as f64) < VERY_STRONG
     }
 
     /// The part of the squared error that an estimated loop leaves; none if it is not possible, or predicts no better than what is described.

@@ -5,7 +5,10 @@ use crate::{
     diagnosis::{MethodEstimate, independent_rows},
     preparation::{Case, PreparationError},
 };
-use thetahat_estimation::identification::{Method, Status};
+use thetahat_estimation::{
+    identification::{Method, Status},
+    regression::RowLayout,
+};
 use thetahat_report::results::RunResult;
 
 /// A fit of the positions that converged.
@@ -23,13 +26,16 @@ pub(super) struct PositionResidual {
 }
 
 impl PositionResidual {
+    pub(super) fn new(layout: &RowLayout, residual: &[f64]) -> Self {
+        let effective = layout.runs(residual).iter().map(|stretches| independent_rows(stretches)).collect();
+        Self { squares: layout.squares(residual), effective }
+    }
+
     /// The residual of an estimate; none if there is no fit.
     pub(super) fn of(estimate: &MethodEstimate) -> Option<Self> {
         let fit = estimate.outcome.fit.as_ref()?;
-        let residual: Vec<f64> = estimate.regression.y.iter().zip(&fit.prediction).map(|(y, p)| y - p).collect();
-        let layout = &estimate.regression.layout;
-        let effective = layout.runs(&residual).iter().map(|stretches| independent_rows(stretches)).collect();
-        Some(Self { squares: layout.squares(&residual), effective })
+        let residual = estimate.regression.residual(&fit.prediction);
+        Some(Self::new(&estimate.regression.layout, &residual))
     }
 
     /// Change of `sum_j n_j log(squares_j) + k log(n)` with k more parameters, where n are the independent samples of this residual.

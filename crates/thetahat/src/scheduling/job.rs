@@ -1,9 +1,9 @@
 //! What is to be estimated.
 
-use super::simulator::Simulator;
+use super::simulator::{Parameters, Simulator};
 use crate::preparation::Problem;
 use thetahat_estimation::{
-    identification::{Method, Response},
+    identification::{Method, Response, SimulatedResponse},
     regression::Regression,
 };
 
@@ -44,6 +44,16 @@ impl<'a> EstimationJob<'a> {
             (Response::Position, None) | (Response::Torque, _) => regression,
         };
         Self { problem, method, regression, simulator, start, commanded }
+    }
+
+    /// The response with these parameters of the robot and the loop as it is described, and its sensitivities to all that is estimated; none if
+    /// it cannot be simulated.
+    pub(crate) fn linearised(&self, of_robot: &[f64], threads: usize) -> Option<SimulatedResponse> {
+        let simulator = self.simulator.as_ref()?;
+        let mut theta = of_robot.to_vec();
+        theta.resize(theta.len() + simulator.loop_parameters().len(), 0.0);
+        let parameters = Parameters::Fitted { theta, tolerance: 1.0 };
+        simulator.response_with_sensitivities(&parameters, self.method.response(), threads).ok()
     }
 
     /// The names of what of the loop is estimated after the robot's parameters.
