@@ -9,8 +9,9 @@ use std::{
 
 use thetahat::{
     Robot,
+    dynamics::FrictionTransition,
     experiment::{EstimateRequest, IdentifiedRobot},
-    results::NOMINAL,
+    results::{ModelResult, NOMINAL},
     robot::{Locks, RobotSource},
     symbolic::{Function, ParameterSet, Request, SymbolicError},
 };
@@ -29,8 +30,8 @@ struct Source {
     about: Vec<String>,
     /// The files that were read.
     files: Vec<PathBuf>,
-    /// Velocity at which the friction changes its sign.
-    friction_transition: Option<f64>,
+    /// Velocities at which the friction changes its sign.
+    friction_transition: Option<FrictionTransition>,
 }
 
 pub fn run(request: &Generate) -> Result<Ending, Box<dyn Error>> {
@@ -39,8 +40,9 @@ pub fn run(request: &Generate) -> Result<Ending, Box<dyn Error>> {
         OutputGuard::new(files, request.force.force).file(path, FileKind::Code)?;
     }
     let parameters = if request.base { ParameterSet::Base } else { ParameterSet::Standard };
-    let model = Request { model: request.model, parameters, values: theta, drives: request.drives, about };
-    let function = Function::new(&robot, &model)?.with_friction_transition(friction_transition);
+    let model =
+        Request { model: request.model, parameters, values: theta, drives: request.drives, about, friction_transition };
+    let function = Function::new(&robot, &model)?;
     let code = request.to.code(&function, request.name.as_deref())?;
     let Some(path) = &request.out else {
         print(&code)?;
@@ -96,7 +98,7 @@ fn read_results(request: &Generate, path: PathBuf) -> Result<Source, Box<dyn Err
                 .to_owned(),
         );
     }
-    let friction_transition = identified.model.as_ref().map(|model| model.friction_transition);
+    let friction_transition = identified.model.as_ref().map(ModelResult::transition);
     Ok(Source { robot: identified.robot, theta, about, files: identified.files, friction_transition })
 }
 

@@ -12,7 +12,7 @@ use thetahat::{
 use crate::{
     arrays::{matrix_array, matrix_of, rows, series_of},
     python_error::PythonError,
-    robot::{Robot, sign_of, vector_of},
+    robot::{Robot, SignScale, sign_of, vector_of},
 };
 
 /// The decimated observation matrix of a motion: rows ordered by joint, then by time.
@@ -23,7 +23,7 @@ pub fn observation_matrix<'py>(
     motion: [PyReadonlyArray2<'py, f64>; 3],
     decimation: usize,
     columns: Vec<usize>,
-    sign_velocity_scale: Option<f64>,
+    sign_velocity_scale: Option<SignScale>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let [q, dq, ddq] = motion.map(|array| series_of(array.as_array()));
     let sign = sign_of(sign_velocity_scale)?;

@@ -12,7 +12,7 @@ use pyo3::{exceptions::PyValueError, prelude::*};
 use thetahat::{
     Experiment,
     base_parameters::BaseParameters,
-    dynamics::{DynamicParameters, DynamicsError, Model, Sign, State, Workspace},
+    dynamics::{DynamicParameters, DynamicsError, FrictionTransition, Model, Sign, State, Workspace},
     regressor::Regressor,
     results::ProfiledTerm,
     robot::{Locks, RobotSource, RobotSummary},
@@ -209,7 +209,7 @@ impl Robot {
         py: Python<'py>,
         motion: [PyReadonlyArray2<'py, f64>; 3],
         columns: Vec<usize>,
-        sign_velocity_scale: Option<f64>,
+        sign_velocity_scale: Option<SignScale>,
         mut phi: PyReadwriteArray3<'py, f64>,
     ) -> PyResult<()> {
         let regressor = Regressor::new(&self.model, &columns);
@@ -227,7 +227,7 @@ impl Robot {
         py: Python<'py>,
         motion: [PyReadonlyArray2<'py, f64>; 3],
         theta: Vec<f64>,
-        sign_velocity_scale: Option<f64>,
+        sign_velocity_scale: Option<SignScale>,
         mut tau: PyReadwriteArray2<'py, f64>,
     ) -> PyResult<()> {
         let (n, sign) = (self.model.coordinate_count(), sign_of(sign_velocity_scale)?);
@@ -249,7 +249,7 @@ impl Robot {
         py: Python<'py>,
         inputs: [PyReadonlyArray2<'py, f64>; 3],
         theta: Vec<f64>,
-        sign_velocity_scale: Option<f64>,
+        sign_velocity_scale: Option<SignScale>,
         mut ddq: PyReadwriteArray2<'py, f64>,
     ) -> PyResult<()> {
         let sign = sign_of(sign_velocity_scale)?;
@@ -300,11 +300,23 @@ impl Robot {
     }
 }
 
+/// The velocity at which the sign of friction changes: of all joints, or of joints that turn and of joints that slide.
+#[derive(FromPyObject)]
+pub enum SignScale {
+    All(f64),
+    ByKind((f64, f64)),
+}
+
 /// The sign function of velocities: exact, or smoothed with this velocity.
-pub fn sign_of(scale: Option<f64>) -> PyResult<Sign> {
-    match scale {
-        None => Ok(Sign::Exact),
-        Some(scale) if scale.is_finite() && scale > 0.0 => Ok(Sign::Smooth { scale }),
+pub fn sign_of(scale: Option<SignScale>) -> PyResult<Sign> {
+    let transition = match scale {
+        None => return Ok(Sign::Exact),
+        Some(SignScale::All(velocity)) => FrictionTransition::of_all(velocity),
+        Some(SignScale::ByKind((turning, sliding))) => FrictionTransition { turning, sliding },
+    };
+    let FrictionTransition { turning, sliding } = transition;
+    match [turning, sliding].into_iter().find(|v| !(v.is_finite() && *v > 0.0)) {
+        None => Ok(Sign::ByKind(transition)),
         Some(scale) => {
             Err(PyValueError::new_err(format!("sign_velocity_scale is {scale}; it is a velocity above zero, or None")))
         }

@@ -90,6 +90,8 @@ pub mod recording {
 
 /// Inverse and forward dynamics, mass matrix and energy, without allocation.
 pub mod dynamics {
+    #[doc(hidden)]
+    pub use thetahat_model::dynamics::FrictionTransition;
     #[doc(inline)]
     pub use thetahat_model::dynamics::{DynamicParameters, DynamicsError, Model, Sign, State, Workspace};
 }

@@ -56,7 +56,7 @@ impl JointGeometry {
             cos_alpha,
             theta: joint.placement.theta,
             origin: turn.map_or(joint.placement.origin, |turn| turn.transpose_times(joint.placement.origin)),
-            moved_by: JointCoordinate { coordinate, ratio, offset },
+            moved_by: JointCoordinate { coordinate, ratio, offset, kind: joint.kind },
             also_moved_by: joint.also_follows.iter().map(|share| (coordinate_of(share.of), share.ratio)).collect(),
         }
     }
@@ -103,7 +103,7 @@ impl JointGeometry {
     #[cold]
     #[inline(never)]
     fn drive_state_with_shares<T: Real>(&self, state: State<'_, T>, ddq: &[T], sign: Sign) -> JointState<T> {
-        JointState::new(self.rate(state.dq), self.rate(ddq), sign)
+        JointState::new(self.rate(state.dq), self.rate(ddq), (sign, self.moved_by.kind))
     }
 
     #[cold]

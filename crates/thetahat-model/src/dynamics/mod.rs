@@ -78,7 +78,7 @@ pub use jump::Jump;
 pub(crate) use loops::DIFFERENCES;
 pub use model::{DynamicsError, Model};
 pub use parameters::DynamicParameters;
-pub use sign::Sign;
+pub use sign::{FrictionTransition, Sign};
 pub use state::{JointCoordinate, State};
 pub(crate) use workspace::LoopScratch;
 pub use workspace::Workspace;

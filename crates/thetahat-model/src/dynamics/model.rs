@@ -7,7 +7,7 @@ use super::{
     term_columns::{ModelTerm, terms_of},
     terms::JointState,
 };
-use crate::robot::{ParameterTable, Quantity, Robot};
+use crate::robot::{JointKind, ParameterTable, Quantity, Robot};
 use thetahat_ground::{
     real::Real,
     vector::{Mat3, Vec3},
@@ -237,6 +237,13 @@ impl Model {
     #[must_use]
     pub fn coordinate_of(&self, j: usize) -> JointCoordinate {
         self.joints[j].moved_by
+    }
+
+    /// Whether each coordinate turns or slides a joint.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn coordinate_kinds(&self) -> Vec<JointKind> {
+        self.coordinates.iter().map(|&joint| self.joints[joint].moved_by.kind).collect()
     }
 
     /// The coordinates that move link `k`.

@@ -1,4 +1,32 @@
+use crate::robot::JointKind;
 use thetahat_ground::real::{Real, sign_or, tanh};
+
+/// The velocities v of `tanh(dq / v)`, at which friction reaches 76 % of its Coulomb value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrictionTransition {
+    /// Of joints that turn, rad/s.
+    pub turning: f64,
+    /// Of joints that slide, m/s.
+    pub sliding: f64,
+}
+
+impl FrictionTransition {
+    /// The same number for all joints, rad/s or m/s.
+    #[must_use]
+    pub const fn of_all(velocity: f64) -> Self {
+        Self { turning: velocity, sliding: velocity }
+    }
+
+    /// That of a joint.
+    #[inline(always)]
+    #[must_use]
+    pub const fn of(self, kind: JointKind) -> f64 {
+        match kind {
+            JointKind::Revolute => self.turning,
+            JointKind::Prismatic => self.sliding,
+        }
+    }
+}
 
 /// How the sign function of Coulomb friction is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -10,22 +38,26 @@ pub enum Sign {
         /// The velocity at which friction reaches 76 % of its Coulomb value.
         scale: f64,
     },
+    /// The same with a velocity for each kind of joint.
+    #[doc(hidden)]
+    ByKind(FrictionTransition),
 }
 
 impl Sign {
-    /// The sign of `v`.
+    /// The sign of the velocity `v` of a joint.
     #[inline(always)]
     #[must_use]
-    pub fn of(self, v: f64) -> f64 {
-        self.of_each(v)
+    pub fn of(self, v: f64, kind: JointKind) -> f64 {
+        self.of_each(v, kind)
     }
 
     /// The sign in each lane; zero and NaN stay as they are.
     #[inline(always)]
-    pub(crate) fn of_each<T: Real>(self, v: T) -> T {
+    pub(crate) fn of_each<T: Real>(self, v: T, kind: JointKind) -> T {
         match self {
             Self::Exact => sign_or(v, v),
             Self::Smooth { scale } => tanh(v / v.like(scale)),
+            Self::ByKind(transition) => tanh(v / v.like(transition.of(kind))),
         }
     }
 }

@@ -1,3 +1,4 @@
+use crate::robot::JointKind;
 use thetahat_ground::real::Real;
 
 /// Positions and velocities of the coordinates; for vectors `T`, of one state in each lane.
@@ -47,6 +48,8 @@ pub struct JointCoordinate {
     pub ratio: f64,
     /// The joint's position at coordinate zero, rad or m.
     pub offset: f64,
+    /// Whether the joint turns or slides.
+    pub kind: JointKind,
 }
 
 impl JointCoordinate {

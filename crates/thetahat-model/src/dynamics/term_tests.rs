@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{DynamicParameters, Jacobian, Model, Sign, State, Workspace};
 use crate::{
     regressor::Regressor,
-    robot::{Robot, RobotError},
+    robot::{JointKind, Robot, RobotError},
 };
 use thetahat_ground::{
     series::Series,
@@ -133,7 +133,7 @@ fn load_friction_is_by_the_torque_of_gravity() {
         );
         for (j, name) in ["fl1", "fl2", "fl3"].iter().enumerate() {
             let found = case.torques_of(name, &state)[j];
-            let expected = gravity[j].abs() * SIGN.of(state[3 + j]);
+            let expected = gravity[j].abs() * SIGN.of(state[3 + j], JointKind::Revolute);
             assert!((found - expected).abs() < 1e-12 * (1.0 + expected.abs()), "{name}: {found} {expected}");
         }
     }
@@ -143,7 +143,7 @@ fn load_friction_is_by_the_torque_of_gravity() {
 fn friction_follows_its_formulas() {
     let case = case();
     for state in STATES {
-        let (v, s) = (state[5], SIGN.of(state[5]));
+        let (v, s) = (state[5], SIGN.of(state[5], JointKind::Revolute));
         for (name, expected) in [
             ("fs3", s * (-(v.abs() / 0.4).powf(1.3)).exp()),
             ("fvq3", v * v.abs()),

@@ -53,19 +53,19 @@ impl Model {
         ddq: &[T],
         sign: Sign,
     ) -> T {
-        let JointCoordinate { ratio, .. } = term.moved_by;
+        let JointCoordinate { ratio, kind, .. } = term.moved_by;
         let (q, dq) = (term.moved_by.position(state.q), term.moved_by.rate(state.dq));
         let one = dq.like(1.0);
         let on_joint = match &term.shape {
             Shape::Constant => one,
             Shape::Deflection { rest } => q - q.like(*rest),
             Shape::Velocity => dq,
-            Shape::AbsoluteVelocity => dq * sign.of_each(dq),
+            Shape::AbsoluteVelocity => dq * sign.of_each(dq, kind),
             Shape::VelocityPower { exponent } => (2..*exponent).fold(dq * absolute(dq), |p, _| p * absolute(dq)),
-            Shape::Sign => sign.of_each(dq),
-            Shape::Stribeck(stribeck) => sign.of_each(dq) * falling(*stribeck, dq),
+            Shape::Sign => sign.of_each(dq, kind),
+            Shape::Stribeck(stribeck) => sign.of_each(dq, kind) * falling(*stribeck, dq),
             Shape::Load => {
-                sign.of_each(dq) * absolute(self.weight(&term.bodies, coordinate, state.q)) / one.like(ratio)
+                sign.of_each(dq, kind) * absolute(self.weight(&term.bodies, coordinate, state.q)) / one.like(ratio)
             }
             Shape::Expression(expression) => self.expression(expression, term, state, ddq, sign),
             Shape::Harmonic { angle, torque, multiple, sine } => {
@@ -147,7 +147,7 @@ impl Model {
             Variable::Position(j) => joint(j).position(state.q),
             Variable::Velocity(j) => joint(j).rate(state.dq),
             Variable::Acceleration(j) => joint(j).rate(ddq),
-            Variable::Sign(j) => sign.of_each(joint(j).rate(state.dq)),
+            Variable::Sign(j) => sign.of_each(joint(j).rate(state.dq), joint(j).moved_by.kind),
             Variable::Channel(_) => state.channels[*channel],
         };
         let values: Vec<T> = expression.variables().iter().zip(&term.channels).map(value).collect();

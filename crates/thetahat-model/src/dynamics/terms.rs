@@ -10,7 +10,7 @@ use super::{
     sign::Sign,
     state::{JointCoordinate, State},
 };
-use crate::robot::{JointQuantity, MotorQuantity};
+use crate::robot::{JointKind, JointQuantity, MotorQuantity};
 use thetahat_ground::real::{Parameter, Real};
 
 /// The state on which the torque of a joint's drive depends.
@@ -28,14 +28,14 @@ impl JointCoordinate {
     /// The joint's own state.
     #[inline(always)]
     pub(crate) fn state<T: Real>(&self, state: State<'_, T>, ddq: &[T], sign: Sign) -> JointState<T> {
-        JointState::new(self.rate(state.dq), self.rate(ddq), sign)
+        JointState::new(self.rate(state.dq), self.rate(ddq), (sign, self.kind))
     }
 }
 
 impl<T: Real> JointState<T> {
     #[inline(always)]
-    pub(super) fn new(dq: T, ddq: T, sign: Sign) -> Self {
-        Self { dq, ddq, s: sign.of_each(dq) }
+    pub(super) fn new(dq: T, ddq: T, (sign, kind): (Sign, JointKind)) -> Self {
+        Self { dq, ddq, s: sign.of_each(dq, kind) }
     }
 
     /// Torque on the joint for a unit of the parameter.
@@ -72,7 +72,7 @@ impl CoupledMotor {
         match quantity {
             MotorQuantity::Iam => (self.rate(ddq) - ddq[coordinate] * own) * own,
             MotorQuantity::Fvm => (self.rate(dq) - dq[coordinate] * own) * own,
-            MotorQuantity::Fcm => sign.of_each(self.rate(dq)) * own,
+            MotorQuantity::Fcm => sign.of_each(self.rate(dq), JointKind::Revolute) * own,
         }
     }
 }
@@ -193,7 +193,7 @@ impl<P: Copy> MotorTerms<P> {
     {
         let rate = motor.rate(dq);
         let (iam, fvm) = (self.iam.in_lanes(rate), self.fvm.in_lanes(rate));
-        let coulomb = sign.of_each(rate) * self.fcm.in_lanes(rate);
+        let coulomb = sign.of_each(rate, JointKind::Revolute) * self.fcm.in_lanes(rate);
         for &(j, w) in &motor.weights {
             tau[j] += coulomb * w;
         }

@@ -33,7 +33,7 @@ def observation_matrix(
     *,
     decimation: int,
     parameters: _Columns = "base",
-    sign_velocity_scale: float | None = None,
+    sign_velocity_scale: float | tuple[float, float] | None = None,
 ) -> Array:
     """The matrix ``X`` with ``y = X theta``: the regressor after the parallel filter and the decimation.
 

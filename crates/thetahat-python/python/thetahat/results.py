@@ -93,6 +93,17 @@ class Model:
         return float(self._data["friction_transition"])
 
     @property
+    def friction_transition_sliding(self) -> float | None:
+        """The same of joints that slide, m/s, where others turn."""
+        sliding = self._data.get("friction_transition_sliding")
+        return None if sliding is None else float(sliding)
+
+    @property
+    def _sign_velocity_scale(self) -> float | tuple[float, float]:
+        sliding = self.friction_transition_sliding
+        return self.friction_transition if sliding is None else (self.friction_transition, sliding)
+
+    @property
     def belief_weight(self) -> float:
         """Weight of the belief in the a-priori robot, in long-run variances of the residual."""
         return float(self._data["belief_weight"])
@@ -128,7 +139,7 @@ class Model:
         """The torques that the model predicts for a motion or a recording, as :meth:`Result.predict`."""
         robot = _known(self._robot)
         theta = np.array([self.standard[name] for name in robot.parameter_names])
-        return _predicted(robot, theta, self.friction_transition, _motion(robot, self._cutoff_hz, q, dq, ddq))
+        return _predicted(robot, theta, self._sign_velocity_scale, _motion(robot, self._cutoff_hz, q, dq, ddq))
 
     def __getitem__(self, name: str) -> float:
         return self._standard[name]
@@ -582,7 +593,7 @@ class Result:
         """
         robot = self._robot()
         model = self.model if run is None else None
-        scale = None if model is None else model.friction_transition
+        scale = None if model is None else model._sign_velocity_scale
         motion = _motion(robot, self._cutoff_hz, q, dq, ddq)
         return _predicted(robot, self.standard_parameters(run=run), scale, motion)
 
@@ -746,7 +757,12 @@ def _motion(
     return tuple(motion_of(one_recording(robot, q), cutoff_hz))  # type: ignore[return-value]
 
 
-def _predicted(robot: Robot, theta: Array, scale: float | None, motion: tuple[ArrayLike, ArrayLike, ArrayLike]) -> Array:
+def _predicted(
+    robot: Robot,
+    theta: Array,
+    scale: float | tuple[float, float] | None,
+    motion: tuple[ArrayLike, ArrayLike, ArrayLike],
+) -> Array:
     return robot.inverse_dynamics(*motion, theta=theta, sign_velocity_scale=scale)
 
 

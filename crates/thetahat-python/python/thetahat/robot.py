@@ -226,7 +226,7 @@ class Robot:
         ddq: ArrayLike,
         *,
         parameters: _Columns = "standard",
-        sign_velocity_scale: float | None = None,
+        sign_velocity_scale: float | tuple[float, float] | None = None,
         out: Array | None = None,
     ) -> Array:
         """The matrix ``phi`` with ``tau = phi(q, dq, ddq) theta``.
@@ -239,8 +239,9 @@ class Robot:
         parameters : {"standard", "base"} or sequence of str
             The columns: all standard parameters, those that the base parameters keep (so that ``tau = phi theta_base``), or
             standard parameters by name.
-        sign_velocity_scale : float, optional
-            ``sign(v)`` becomes ``tanh(v / scale)`` in Coulomb friction.
+        sign_velocity_scale : float or pair of float, optional
+            ``sign(v)`` becomes ``tanh(v / scale)`` in Coulomb friction; of a pair the first is that of joints that turn, rad/s,
+            and the second that of joints that slide, m/s.
         out : ndarray (samples, n, p), optional
             Where to write it, in C order and float64: the memory of large arrays takes longer to get than to fill.
 
@@ -272,7 +273,7 @@ class Robot:
         ddq: ArrayLike,
         *,
         theta: ArrayLike | None = None,
-        sign_velocity_scale: float | None = None,
+        sign_velocity_scale: float | tuple[float, float] | None = None,
     ) -> Array:
         """The torques of a motion, with friction, motor inertias and offsets.
 
@@ -282,7 +283,7 @@ class Robot:
             The motion.
         theta : array_like (p,), optional
             Standard parameters; by default the a-priori ones.
-        sign_velocity_scale : float, optional
+        sign_velocity_scale : float or pair of float, optional
             As for :meth:`regressor`.
 
         Returns
@@ -303,7 +304,7 @@ class Robot:
         tau: ArrayLike,
         *,
         theta: ArrayLike | None = None,
-        sign_velocity_scale: float | None = None,
+        sign_velocity_scale: float | tuple[float, float] | None = None,
     ) -> Array:
         """The accelerations for given torques; arguments and shapes as for :meth:`inverse_dynamics`.
 

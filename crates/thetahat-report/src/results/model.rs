@@ -11,7 +11,7 @@ use super::{
 };
 use thetahat_estimation::identification::{Method, Status};
 use thetahat_ground::linear_algebra::Matrix;
-use thetahat_model::robot::TermDescription;
+use thetahat_model::{dynamics::FrictionTransition, robot::TermDescription};
 
 /// Percent of a base parameter that the recordings must have decided for it to be quoted by itself.
 const QUOTED: f64 = 90.0;
@@ -33,6 +33,9 @@ pub struct ModelResult {
     pub guessed_links: Vec<usize>,
     /// Velocity v of `tanh(dq / v)`, the sign of the Coulomb friction, rad/s (m/s where all joints slide).
     pub friction_transition: f64,
+    /// The same of joints that slide, m/s, where others turn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction_transition_sliding: Option<f64>,
     /// Torque terms that it has in addition to the robot's, as a `[[term]]` states them: those that predict unseen motion better.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub terms: Vec<TermDescription>,
@@ -78,6 +81,9 @@ pub struct ModelCandidate {
     pub belief_weight: f64,
     /// Velocity of the friction's transition.
     pub friction_transition: f64,
+    /// The same of joints that slide, m/s, where others turn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction_transition_sliding: Option<f64>,
     /// Kinds of the torque terms that it has in addition to the robot's.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub terms: Vec<String>,
@@ -191,6 +197,14 @@ impl ModelResult {
     #[must_use]
     pub fn kinds_of_terms(&self) -> Vec<&'static str> {
         kinds_of(&self.terms)
+    }
+
+    /// The velocities at which its friction changes its sign.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn transition(&self) -> FrictionTransition {
+        let turning = self.friction_transition;
+        FrictionTransition { turning, sliding: self.friction_transition_sliding.unwrap_or(turning) }
     }
 
     /// The error that it is judged by: on recordings that were held back, else on parts that were left out, else of the fit.

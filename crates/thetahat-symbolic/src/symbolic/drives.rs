@@ -1,6 +1,10 @@
 //! Motor inertia, friction, offsets and coupled motors.
 
-use super::{expression::Expression, joints::Chain, newton_euler::Rates};
+use super::{
+    expression::Expression,
+    joints::{Chain, Joint},
+    newton_euler::Rates,
+};
 use thetahat_model::{
     dynamics::CoupledMotor,
     robot::{JointQuantity, MotorQuantity, ParameterTable, Quantity},
@@ -81,7 +85,7 @@ impl<'g> Drives<'_, 'g> {
                 JointQuantity::Off => constant = constant + value,
             }
         }
-        let sign = dq.sign();
+        let sign = self.chain.joints[joint].sign(dq);
         (viscous + viscous_by_side * sign) * dq + (coulomb * sign + constant)
     }
 
@@ -108,7 +112,7 @@ impl<'g> Drives<'_, 'g> {
         match quantity {
             Quantity::Joint(quantity) => {
                 let joint = &self.chain.joints[number];
-                vec![(joint.coordinate, joint_column(quantity, joint.coordinate, joint.ratio, rates))]
+                vec![(joint.coordinate, joint_column(quantity, joint, rates))]
             }
             Quantity::Motor(quantity) => {
                 let own = self.motors.iter().find(|motor| motor.motor == number);
@@ -119,9 +123,10 @@ impl<'g> Drives<'_, 'g> {
     }
 }
 
-fn joint_column<'g>(quantity: JointQuantity, c: usize, ratio: f64, rates: Rates<'_, 'g>) -> Expression<'g> {
+fn joint_column<'g>(quantity: JointQuantity, joint: &Joint<'g>, rates: Rates<'_, 'g>) -> Expression<'g> {
+    let (c, ratio) = (joint.coordinate, joint.ratio);
     let (dq, ddq) = (rates.dq[c] * ratio, rates.ddq[c] * ratio);
-    let (sign, one) = (dq.sign(), dq.builder().constant(1.0));
+    let (sign, one) = (joint.sign(dq), dq.builder().constant(1.0));
     let torque = match quantity {
         JointQuantity::Ia => ddq,
         JointQuantity::Fv => dq,

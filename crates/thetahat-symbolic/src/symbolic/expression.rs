@@ -88,7 +88,7 @@ impl<'g> Expression<'g> {
 
     /// The magnitude.
     pub(super) fn magnitude(self) -> Self {
-        self * self.sign()
+        self.function_with(MathFunction::Larger, -self)
     }
 
     /// A function of one argument.

@@ -18,6 +18,8 @@ pub(super) struct Joint<'g> {
     /// The coordinate that moves it: its position is `ratio q + offset`.
     pub(super) coordinate: usize,
     pub(super) ratio: f64,
+    /// Factor on its velocity in the sign of friction.
+    in_sign: f64,
     /// `Rot(z, gamma)` and `Rot(x, alpha)` by sine and cosine: the constant part of its rotation.
     gamma: (f64, f64),
     alpha: (f64, f64),
@@ -44,14 +46,19 @@ pub(super) struct Chain<'g> {
 }
 
 impl<'g> Chain<'g> {
-    /// The joints of a snapped robot, with lengths in multiples of `unit`.
-    pub(super) fn new(builder: &'g Builder, robot: &Robot, unit: f64) -> Self {
+    /// The joints of a snapped robot, with lengths in multiples of `unit`; velocities of joints that slide are multiplied by `sliding` in the
+    /// sign of friction.
+    pub(super) fn new(builder: &'g Builder, robot: &Robot, unit: f64, sliding: f64) -> Self {
         let coordinates = robot.coordinate_joints();
         let joint = |(j, joint): (usize, &RobotJoint)| {
             let leader = joint.mimic.map_or(j, |mimic| mimic.of);
             // A leader follows no joint.
             let coordinate = coordinates.partition_point(|&own| own < leader);
-            Joint::new(builder, joint, coordinate, unit)
+            let made = Joint::new(builder, joint, coordinate, unit);
+            match joint.kind {
+                JointKind::Revolute => made,
+                JointKind::Prismatic => Joint { in_sign: sliding, ..made },
+            }
         };
         let mut joints: Vec<Joint<'g>> = Vec::with_capacity(robot.joints.len());
         for made in robot.joints.iter().enumerate().map(joint) {
@@ -93,6 +100,7 @@ impl<'g> Joint<'g> {
             parent: joint.parent,
             coordinate,
             ratio,
+            in_sign: 1.0,
             gamma: exact_sin_cos(joint.placement.gamma),
             alpha: exact_sin_cos(joint.placement.alpha),
             theta: fixed,
@@ -129,6 +137,11 @@ impl<'g> Joint<'g> {
     /// Its own velocity or acceleration, given the rates of the coordinates.
     pub(super) fn rate(&self, rates: &[Expression<'g>]) -> Expression<'g> {
         rates[self.coordinate] * self.ratio
+    }
+
+    /// The sign of its velocity in friction.
+    pub(super) fn sign(&self, velocity: Expression<'g>) -> Expression<'g> {
+        (velocity * self.in_sign).sign()
     }
 
     /// Transforms a vector of the frame before to the tilted one, whose z axis is the joint's.

@@ -10,7 +10,7 @@
 //! let text = "name = 'pendulum'\n[[joint]]\nname = 'pivot'\nkind = 'revolute'\n";
 //! let robot = Robot::parse(text, Path::new("pendulum.toml"))?;
 //! let (model, parameters) = (ModelKind::InverseDynamics, ParameterSet::Base);
-//! let request = Request { model, parameters, values: None, drives: DriveTorques::Inertia, about: Vec::new() };
+//! let request = Request { model, parameters, values: None, drives: DriveTorques::Inertia, about: Vec::new(), friction_transition: None };
 //! let function = Function::new(&robot, &request)?;
 //! // About a vertical axis: tau = zz1r ddq.
 //! let inputs = Inputs { ddq: &[2.0], theta: &[0.5, 0.0, 0.0, 0.0], ..Inputs::default() };

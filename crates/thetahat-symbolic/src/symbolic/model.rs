@@ -64,7 +64,8 @@ pub struct Function {
     pub snapped: Vec<Snapped>,
     /// Rows and columns of the output.
     pub shape: [usize; 2],
-    /// Velocity v of `tanh(dq / v)` in place of the sign of a velocity; none for the sign itself.
+    /// Velocity v of `tanh(dq / v)` in place of the sign of a velocity, which is in proportion for joints that slide where others turn; none
+    /// for the sign itself.
     pub friction_transition: Option<f64>,
     /// The operations.
     pub program: Program,
@@ -101,15 +102,9 @@ impl Function {
             shape: made.shape(),
             values: made.values,
             snapped,
-            friction_transition: None,
+            friction_transition: request.friction_transition.map(|transition| transition.turning),
             program,
         })
-    }
-
-    /// The same whose Coulomb friction changes its sign as `tanh(dq / v)`, rad/s or m/s; none for the sign itself.
-    #[must_use]
-    pub fn with_friction_transition(self, friction_transition: Option<f64>) -> Self {
-        Self { friction_transition, ..self }
     }
 }
 
@@ -250,7 +245,8 @@ impl<'a> Made<'a> {
 
     /// The outputs, row by row.
     fn outputs<'g>(&self, builder: &'g Builder, unit: f64) -> Result<Vec<Expression<'g>>, SymbolicError> {
-        let chain = Chain::new(builder, self.robot, unit);
+        let sliding = self.request.friction_transition.map_or(1.0, |t| t.turning / t.sliding);
+        let chain = Chain::new(builder, self.robot, unit, sliding);
         let theta = self.theta(builder);
         let table = self.model.parameter_table();
         let drives = Drives { chain: &chain, table, motors: self.model.coupled_motors(), theta: &theta };

@@ -1,7 +1,7 @@
 //! The request for a generated function.
 
 use super::graph::Array;
-use thetahat_model::robot::Quantity;
+use thetahat_model::{dynamics::FrictionTransition, robot::Quantity};
 
 /// A model of a robot as a function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,13 +60,22 @@ pub struct Request {
     pub drives: DriveTorques,
     /// Where the parameters come from, a line each, for the head of the code.
     pub about: Vec<String>,
+    /// Velocities v of `tanh(dq / v)` in place of the sign of a velocity; none for the sign itself.
+    pub friction_transition: Option<FrictionTransition>,
 }
 
 impl Request {
     /// A model with all torques of the drives and its parameters as an input.
     #[must_use]
     pub fn new(model: ModelKind, parameters: ParameterSet) -> Self {
-        Self { model, parameters, values: None, drives: DriveTorques::All, about: Vec::new() }
+        Self {
+            model,
+            parameters,
+            values: None,
+            drives: DriveTorques::All,
+            about: Vec::new(),
+            friction_transition: None,
+        }
     }
 }
 

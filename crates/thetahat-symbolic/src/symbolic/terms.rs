@@ -50,15 +50,16 @@ impl<'g> Terms<'_, 'g> {
             return Err(SymbolicError::Channel { parameter, channel });
         }
         let (dq, one) = (self.velocity(term.joint), self.chain.builder.constant(1.0));
+        let sign = self.chain.joints[term.joint].sign(dq);
         let on_joint = match &term.shape {
             Shape::Constant => one,
             Shape::Deflection { rest } => self.position(term.joint) - self.chain.builder.constant(*rest),
             Shape::Velocity => dq,
-            Shape::AbsoluteVelocity => dq.magnitude(),
+            Shape::AbsoluteVelocity => dq * sign,
             Shape::VelocityPower { exponent } => (1..*exponent).fold(dq, |power, _| power * dq.magnitude()),
-            Shape::Sign => dq.sign(),
-            Shape::Stribeck(stribeck) => dq.sign() * self.falling(*stribeck, dq),
-            Shape::Load => dq.sign() * self.load(term.joint),
+            Shape::Sign => sign,
+            Shape::Stribeck(stribeck) => sign * self.falling(*stribeck, dq),
+            Shape::Load => sign * self.load(term.joint),
             Shape::Expression(expression) => self.expression(term, expression)?,
             Shape::Harmonic { angle, torque, multiple, sine } => {
                 let zero = self.chain.builder.zero();
@@ -151,7 +152,7 @@ impl<'g> Terms<'_, 'g> {
             Variable::Position(joint) => Ok(self.position(*joint)),
             Variable::Velocity(joint) => Ok(self.velocity(*joint)),
             Variable::Acceleration(joint) => Ok(self.chain.joints[*joint].rate(self.rates.ddq)),
-            Variable::Sign(joint) => Ok(self.velocity(*joint).sign()),
+            Variable::Sign(joint) => Ok(self.chain.joints[*joint].sign(self.velocity(*joint))),
             Variable::Channel(channel) => {
                 Err(SymbolicError::Channel { parameter: parameter(), channel: channel.clone() })
             }

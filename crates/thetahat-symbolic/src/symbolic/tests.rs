@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use super::{snapping::snapped, *};
 use thetahat_model::{
     base_parameters::BaseParameters,
-    dynamics::{DynamicParameters, Model, Sign, State, Workspace},
+    dynamics::{DynamicParameters, FrictionTransition, Model, Sign, State, Workspace},
     regressor::Regressor,
     robot::{JointQuantity, LinkQuantity, Locks, Parameter, Quantity, Robot, RobotSource},
 };
@@ -88,7 +88,14 @@ impl Case {
 
     /// The output of a function with the parameters' values inserted.
     fn folded(&self, model: ModelKind, parameters: ParameterSet, drives: DriveTorques) -> Vec<f64> {
-        let request = Request { model, parameters, values: Some(self.theta.clone()), drives, about: Vec::new() };
+        let request = Request {
+            model,
+            parameters,
+            values: Some(self.theta.clone()),
+            drives,
+            about: Vec::new(),
+            friction_transition: None,
+        };
         let [q, dq, ddq] = &self.state;
         let program = Function::new(&self.robot, &request).unwrap().program;
         program.evaluate(&Inputs { q, dq, ddq, tau: ddq, ..Inputs::default() })
@@ -271,6 +278,20 @@ fn base_parameters_that_hold_what_is_left_out_are_named() {
     let kept = |drives| Function::new(&robot, &request(drives)).unwrap().kept_drives;
     assert_eq!(kept(DriveTorques::None), ["zz1r"]);
     assert!(kept(DriveTorques::Inertia).is_empty() && kept(DriveTorques::All).is_empty());
+}
+
+#[test]
+fn joints_that_slide_change_the_sign_of_friction_at_their_own_velocity() {
+    let text = "name = 'arm'\nfriction = 'symmetric'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n[[joint]]\nname = 'b'\n\
+                kind = 'prismatic'\n[parameters]\nfc1 = 1\nfc2 = 1\n";
+    let robot = Robot::parse(text, Path::new("arm.toml")).unwrap();
+    let friction_transition = Some(FrictionTransition { turning: 0.5, sliding: 0.125 });
+    let values = Some(robot.a_priori_parameters());
+    let request =
+        Request { values, friction_transition, ..Request::new(ModelKind::InverseDynamics, ParameterSet::Standard) };
+    let python = Language::Python.code(&Function::new(&robot, &request).unwrap(), None).unwrap();
+    assert!(python.contains("np.tanh((dq[..., 0]) / 0.5)"), "{python}");
+    assert!(["4.0 * dq[..., 1]", "dq[..., 1] * 4.0"].iter().any(|scaled| python.contains(scaled)), "{python}");
 }
 
 /// No parameter acts: the torques of velocity of a vertical slide.

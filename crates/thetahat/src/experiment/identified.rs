@@ -243,10 +243,12 @@ impl IdentifiedRobot {
             if run.status == Status::Converged { String::new() } else { format!("; status: {}", run.status.name()) };
         if let Some(model) = &self.model {
             let kinds = model.kinds_of_terms();
+            let sliding = model.friction_transition_sliding;
+            let of_slides = sliding.map_or_else(String::new, |v| format!(" (joints that slide: {v})"));
             let terms = if kinds.is_empty() { String::new() } else { format!(", terms {}", kinds.join(" and ")) };
             return format!(
                 "the model{title}: physically consistent least squares in the rows of {}, belief in the a-priori robot of \
-                 weight {}, friction fc tanh(dq / {}){terms}; verdict: {verdict}",
+                 weight {}, friction fc tanh(dq / {}){of_slides}{terms}; verdict: {verdict}",
                 model.method, model.belief_weight, model.friction_transition
             );
         }

@@ -88,8 +88,12 @@ impl Settings {
     }
 
     fn validate_model(&self) -> Checked {
-        let ModelOptions { belief_weight, friction_transition } = self.model;
-        let stated = [("[model] belief_weight", belief_weight), ("[model] friction_transition", friction_transition)];
+        let ModelOptions { belief_weight, friction_transition, friction_transition_sliding } = self.model;
+        let stated = [
+            ("[model] belief_weight", belief_weight),
+            ("[model] friction_transition", friction_transition),
+            ("[model] friction_transition_sliding", friction_transition_sliding),
+        ];
         let check =
             |(key, value): (&str, Option<f64>)| value.map_or(Ok(()), |v| PreparationError::require_positive(key, v));
         stated.into_iter().try_for_each(check)

@@ -213,6 +213,7 @@ impl Identity {
         let columns = |acting: &Vec<usize>| acting.is_sorted_by(|a, b| a < b) && acting.iter().all(|c| *c < parameters);
         let fits = self.acting.len() == self.joints.len() && self.expressions.len() == parameters;
         let fits = fits && columns(&self.changing) && !self.transitions.is_empty();
+        let fits = fits && [0, self.transitions.len()].contains(&self.sliding_transitions.len());
         (fits && !self.joints.is_empty() && self.acting.iter().all(columns)).then_some(())
     }
 }

@@ -6,9 +6,14 @@ use super::ReductionError;
 use crate::{
     experiment::Experiment,
     preparation::{Mask, NamedMask, Settings},
-    run::{ModelColumns, changing, transitions},
+    run::{ModelColumns, changing, kinds, sliding_apart, transitions},
 };
-use thetahat_model::{base_parameters::BaseParameters, dynamics::Model, regressor::Regressor, robot::Robot};
+use thetahat_model::{
+    base_parameters::BaseParameters,
+    dynamics::{FrictionTransition, Model},
+    regressor::Regressor,
+    robot::Robot,
+};
 
 /// What must agree before reductions can be solved together.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -39,6 +44,9 @@ pub struct Identity {
     pub mask: String,
     /// Velocities at which friction changes its sign, from which the model's is chosen, rad/s or m/s.
     pub transitions: Vec<f64>,
+    /// The same of joints that slide, m/s, where others turn.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sliding_transitions: Vec<f64>,
     /// The base parameters, from zero, whose columns depend on it.
     pub changing: Vec<usize>,
 }
@@ -52,6 +60,7 @@ impl Identity {
         has_jumps: bool,
     ) -> Self {
         let signal = experiment.settings.signal;
+        let (transitions, kinds) = (transitions(experiment.setup()), kinds(experiment.setup()));
         let joints: Vec<String> = experiment.robot.coordinates().map(|j| j.name.clone()).collect();
         Self {
             robot: experiment.robot.name.clone(),
@@ -66,7 +75,8 @@ impl Identity {
             decimation: signal.decimation,
             derivative: signal.derivative.to_string(),
             mask: mask_in_words(&experiment.settings, has_jumps),
-            transitions: transitions(experiment.setup()),
+            transitions: transitions.iter().map(|t| t.turning).collect(),
+            sliding_transitions: transitions.iter().filter_map(|t| sliding_apart(*t, &kinds)).collect(),
             changing: changing(model, base),
         }
     }
@@ -75,6 +85,15 @@ impl Identity {
     pub(super) fn model_columns(&self) -> ModelColumns {
         let sizes = [self.transitions.len(), self.parameters.len()];
         ModelColumns::new(self.acting.clone(), self.changing.clone(), sizes)
+    }
+
+    /// The velocities at which friction changes its sign, of joints that turn and slide.
+    pub(super) fn friction_transitions(&self) -> Vec<FrictionTransition> {
+        let of_place = |(k, turning): (usize, &f64)| {
+            let sliding = self.sliding_transitions.get(k).copied().unwrap_or(*turning);
+            FrictionTransition { turning: *turning, sliding }
+        };
+        self.transitions.iter().enumerate().map(of_place).collect()
     }
 
     /// Whether it is of a robot with these base parameters: the same joints, locks and geometry.
@@ -101,6 +120,11 @@ impl Identity {
             ("the derivative", self.derivative.clone(), other.derivative.clone()),
             ("the mask near rest", self.mask.clone(), other.mask.clone()),
             ("the model's friction_transition", numbers(&self.transitions), numbers(&other.transitions)),
+            (
+                "the model's friction_transition_sliding",
+                numbers(&self.sliding_transitions),
+                numbers(&other.sliding_transitions),
+            ),
         ];
         if let Some((what, first, other)) = texts.into_iter().find(|(_, first, other)| first != other) {
             return Err(ReductionError::Unlike { what, first, other });

@@ -12,8 +12,9 @@ use thetahat_estimation::signal::{DecimatedPiece, Decimator, Joiner, Motion, Sig
 use thetahat_ground::{linear_algebra::Matrix, series::Series};
 use thetahat_model::{
     base_parameters::BaseParameters,
-    dynamics::{Model, Sign},
+    dynamics::{FrictionTransition, Model, Sign},
     regressor::{BufferedRegressor, Entry, Regressor},
+    robot::JointKind,
 };
 
 /// Longest period of a motion that repeats, over the recording.
@@ -29,7 +30,9 @@ pub(super) struct ModelRows {
     changing: Regressor,
     /// The base parameter of each column of these.
     changing_columns: Vec<usize>,
-    transitions: Vec<f64>,
+    transitions: Vec<FrictionTransition>,
+    /// Whether each joint turns or slides.
+    kinds: Vec<JointKind>,
 }
 
 /// The measured motion of a piece, with the torques that act around each sample.
@@ -70,7 +73,8 @@ impl ModelRows {
             first: Regressor::new(model, &columns),
             changing: Regressor::new(model, &changing),
             changing_columns: identity.changing.clone(),
-            transitions: identity.transitions.clone(),
+            transitions: identity.friction_transitions(),
+            kinds: model.coordinate_kinds(),
         })
     }
 
@@ -116,13 +120,8 @@ impl ModelRows {
     /// The entries of each transition along a motion.
     fn entries<'a>(&'a self, model: &'a Model, motion: &'a Motion) -> Vec<BufferedRegressor<'a>> {
         let regressors = [&self.first].into_iter().chain(std::iter::repeat(&self.changing));
-        let of = |(scale, regressor): (&f64, &'a Regressor)| {
-            BufferedRegressor::new(
-                regressor,
-                model,
-                [&motion.q, &motion.dq, &motion.ddq],
-                Sign::Smooth { scale: *scale },
-            )
+        let of = |(transition, regressor): (&FrictionTransition, &'a Regressor)| {
+            BufferedRegressor::new(regressor, model, [&motion.q, &motion.dq, &motion.ddq], Sign::ByKind(*transition))
         };
         self.transitions.iter().zip(regressors).map(of).collect()
     }
@@ -150,7 +149,7 @@ impl ModelRows {
     /// Takes the pieces in order, of a motion that repeats after so many rows.
     pub(super) fn taker(&self, parts: RowParts, near_rest: Vec<f64>, period: Option<f64>) -> ModelTaker<'_> {
         let rows = self.decimator.rows();
-        let slow = Slow { near_rest, transitions: self.transitions.clone() };
+        let slow = Slow { near_rest, transitions: self.transitions.clone(), kinds: self.kinds.clone() };
         let period = period.filter(|period| *period < LONGEST_PERIOD * rows as f64);
         let in_place = Some(InPlaceOfRows { stretch: rows_of_segment(rows), period });
         ModelTaker {

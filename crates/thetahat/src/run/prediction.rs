@@ -2,7 +2,10 @@
 
 use std::{f64::consts::TAU, sync::Arc};
 
-use super::{continued::continued, model::largest};
+use super::{
+    continued::continued,
+    model::{kinds, largest},
+};
 use crate::preparation::{
     Basis, Case, FilteredRecording, Mask, NamedMask, PreparationError, Recording, Settings, Setup, SignalOptions,
 };
@@ -15,6 +18,7 @@ use thetahat_ground::series::Series;
 use thetahat_model::{
     dynamics::{Model, Sign},
     regressor::Regressor,
+    robot::JointKind,
 };
 use thetahat_report::results::{EstimateSource, ModelResult, Prediction, Verdict, VerdictReason};
 
@@ -50,7 +54,7 @@ pub(crate) fn predict_torques(
     }
     let has_torque = recording.torque.is_some();
     let filtered = setup.filter(recording)?;
-    let sign = identified.model.map_or(Sign::Exact, |model| Sign::Smooth { scale: model.friction_transition });
+    let sign = identified.model.map_or(Sign::Exact, |model| Sign::ByKind(model.transition()));
     let cutoff_hz = identified.model.map_or(setup.settings.signal.cutoff_hz, |m| widest_cutoff(setup, m, &filtered));
     let predictor = Predictor { setup, basis, columns, theta, sign };
     let torque = with_known(predictor.torques(&filtered, cutoff_hz)?, &filtered);
@@ -73,7 +77,7 @@ pub(crate) fn predict_torques(
         near_rest,
         measured: filtered.recording.torque.clone().map(|measured| with_known(measured, &filtered)),
         left_open_percent: identified.model.map(|m| left_open(m, &all_rows, &all_predicted)).unwrap_or_default(),
-        beyond: identified.model.map(|m| beyond(m, &filtered.motion)).unwrap_or_default(),
+        beyond: identified.model.map(|m| beyond(m, &filtered.motion, &kinds(setup))).unwrap_or_default(),
         rms: rows.layout.by_joint(&prediction).iter().map(rms).collect(),
         window_s: filtered.window_s(),
         joints: setup.robot.coordinates().map(|j| j.name.clone()).collect(),
@@ -98,11 +102,11 @@ fn left_open(model: &ModelResult, rows: &Regression, prediction: &[f64]) -> Vec<
 
 /// How many times a motion exceeds the recordings' largest speed and acceleration, joint by joint; zero for a speed at which friction
 /// still changes its sign, and for an acceleration whose torque is below the model's error.
-fn beyond(model: &ModelResult, motion: &Motion) -> Vec<[f64; 2]> {
+fn beyond(model: &ModelResult, motion: &Motion, kinds: &[JointKind]) -> Vec<[f64; 2]> {
     let [speeds, accelerations] = [&motion.dq, &motion.ddq].map(|series| largest([series].into_iter()));
     let times = |j: usize| {
         let (joint, error) = (model.joints.get(j)?, model.judged_error().joints.get(j)?);
-        let counts = [speeds[j] > model.friction_transition, joint.inertia * accelerations[j] > error.rms];
+        let counts = [speeds[j] > model.transition().of(kinds[j]), joint.inertia * accelerations[j] > error.rms];
         let times = [speeds[j] / joint.speed?, accelerations[j] / joint.acceleration?];
         Some([0, 1].map(|k| if counts[k] { times[k] } else { 0.0 }))
     };

@@ -15,8 +15,9 @@ use thetahat_estimation::signal::CausalBandPass;
 use thetahat_ground::linear_algebra::Matrix;
 use thetahat_model::{
     base_parameters::BaseParameter,
-    dynamics::{Model, Sign, State, Workspace},
+    dynamics::{FrictionTransition, Model, Sign, State, Workspace},
     regressor::Regressor,
+    robot::JointKind,
 };
 use thetahat_report::results::{JointResult, ParameterResult, Results, Verdict, VerdictReason};
 
@@ -41,6 +42,8 @@ pub struct WatchedRobot {
     /// Covariance of the model's parameters in a row.
     covariance: Matrix,
     sign: Sign,
+    /// Whether each joint turns or slides.
+    kinds: Vec<JointKind>,
     rest_velocity: Vec<f64>,
 }
 
@@ -93,14 +96,16 @@ impl WatchedRobot {
             }
         }
         let transition = match &identified.model {
-            Some(model) => model.friction_transition,
-            None => identified.settings.simulation.sign_velocity_scale,
+            Some(model) => model.transition(),
+            None => FrictionTransition::of_all(identified.settings.simulation.sign_velocity_scale),
         };
-        let sign = identified.model.as_ref().map_or(Sign::Exact, |_| Sign::Smooth { scale: transition });
+        let sign = identified.model.as_ref().map_or(Sign::Exact, |_| Sign::ByKind(transition));
         let regressor = Regressor::new(&model, &columns);
-        let rest_velocity = rest_velocity(results, SCALES * transition, joints);
+        let kinds = model.coordinate_kinds();
+        let settled: Vec<f64> = kinds.iter().map(|kind| SCALES * transition.of(*kind)).collect();
+        let rest_velocity = rest_velocity(results, &settled);
         let covariance = uncertain.covariance;
-        Self { identified, model, regressor, theta, places, layout, covariance, sign, rest_velocity }
+        Self { identified, model, regressor, theta, places, layout, covariance, sign, kinds, rest_velocity }
     }
 
     /// Number of its coordinates.
@@ -197,7 +202,7 @@ impl WatchedRobot {
         let Scratch { workspace, phi, .. } = scratch;
         self.regressor.evaluate(&self.model, State::new(q, dq), ddq, self.sign, workspace, phi);
         for (j, row) in rows.iter_mut().enumerate() {
-            let sign = self.sign.of(dq[j]);
+            let sign = self.sign.of(dq[j], self.kinds[j]);
             (row.y, row.friction, row.square) = (torque[j], sign, torque[j].powi(2));
             row.x.fill(0.0);
             row.x[..OWN].copy_from_slice(&[dq[j], sign, 1.0]);
@@ -261,11 +266,12 @@ impl Uncertain {
 }
 
 /// The largest limit of the identification's recordings, which knows the noise of velocities, and of the friction's transition.
-fn rest_velocity(results: &Results, of_friction: f64, joints: usize) -> Vec<f64> {
+fn rest_velocity(results: &Results, of_friction: &[f64]) -> Vec<f64> {
     let of_recordings = results.recordings.iter().filter_map(|recording| recording.near_rest.as_ref());
     let of_recordings: Vec<&Vec<f64>> = of_recordings.map(|rest| &rest.velocity).collect();
-    let limit = |j: usize| of_recordings.iter().filter_map(|limits| limits.get(j)).copied().fold(of_friction, f64::max);
-    (0..joints).map(limit).collect()
+    let limit =
+        |(j, own): (usize, &f64)| of_recordings.iter().filter_map(|limits| limits.get(j)).copied().fold(*own, f64::max);
+    of_friction.iter().enumerate().map(limit).collect()
 }
 
 /// Memory of [`WatchedRobot::rows`].

@@ -20,6 +20,18 @@ pub fn robot() -> Robot {
     RobotSource::read(&path).unwrap().robot_with_locks(&Default::default(), &path).unwrap()
 }
 
+/// Positions, velocities and accelerations at a sample.
+pub fn motion(k: usize) -> [[f64; 2]; 3] {
+    let t = k as f64 / RATE_HZ;
+    let derivative = |order: i32| {
+        SINES.map(|sines| {
+            let turned = std::f64::consts::FRAC_PI_2 * f64::from(order);
+            sines.map(|[w, a]| a * w.powi(order) * (w * t + turned).sin()).iter().sum::<f64>()
+        })
+    };
+    [0, 1, 2].map(derivative)
+}
+
 /// Torques of the a-priori robot with white noise of a deviation, those of a hardening spring at the first joint that no description has,
 /// and a sign of the velocity that changes over `scale` rad/s.
 pub fn recording(robot: &Robot, [spring, scale, deviation]: [f64; 3]) -> Recording {
@@ -28,14 +40,7 @@ pub fn recording(robot: &Robot, [spring, scale, deviation]: [f64; 3]) -> Recordi
     let mut workspace = Workspace::new(&model);
     let (mut position, mut torque, mut noise) = (Vec::new(), Vec::new(), noise());
     for k in 0..SAMPLES {
-        let t = k as f64 / RATE_HZ;
-        let derivative = |order: i32| {
-            SINES.map(|sines| {
-                let turned = std::f64::consts::FRAC_PI_2 * f64::from(order);
-                sines.map(|[w, a]| a * w.powi(order) * (w * t + turned).sin()).iter().sum::<f64>()
-            })
-        };
-        let [q, dq, ddq] = [0, 1, 2].map(derivative);
+        let [q, dq, ddq] = motion(k);
         let mut tau = [0.0; 2];
         let sign = Sign::Smooth { scale };
         model.inverse_dynamics(&parameters, State::new(&q, &dq), &ddq, sign, &mut workspace, &mut tau);

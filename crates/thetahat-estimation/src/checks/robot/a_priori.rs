@@ -16,6 +16,7 @@ use crate::{
 };
 use thetahat_ground::{
     linear_algebra::{Matrix, PivotedQr, dot},
+    real::sign_or,
     series::Series,
 };
 use thetahat_model::{
@@ -204,7 +205,7 @@ fn own_columns(recording: &ThinnedRecording<'_>, j: usize) -> Option<Matrix> {
     let motion = &recording.motion;
     let values = (0..motion.q.len()).flat_map(|k| {
         let v = motion.dq.sample(k)[j];
-        [v, Sign::Exact.of(v), motion.ddq.sample(k)[j], 1.0]
+        [v, sign_or(v, v), motion.ddq.sample(k)[j], 1.0]
     });
     recording.columns_of(&Series::shaped(4, values.collect()))
 }

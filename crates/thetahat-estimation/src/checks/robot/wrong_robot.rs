@@ -13,9 +13,9 @@ use crate::checks::{
 };
 use thetahat_ground::{
     linear_algebra::{Matrix, PivotedQr},
+    real::sign_or,
     series::Series,
 };
-use thetahat_model::dynamics::Sign;
 
 /// Rms residual of the robot's model relative to that of the single-joint models, percent, above which the geometry is doubtful;
 /// each joint counts relative to its torque's standard deviation. One torque of another motion has 71 and more.
@@ -120,7 +120,7 @@ fn own_motion(recording: &ThinnedRecording<'_>, j: usize) -> Option<Matrix> {
     let motion = &recording.motion;
     let values = (0..motion.q.len()).flat_map(|k| {
         let (q, v) = (motion.q.sample(k)[j], motion.dq.sample(k)[j]);
-        [v, Sign::Exact.of(v), motion.ddq.sample(k)[j], 1.0, q.sin(), q.cos()]
+        [v, sign_or(v, v), motion.ddq.sample(k)[j], 1.0, q.sin(), q.cos()]
     });
     recording.columns_of(&Series::shaped(PENDULUM, values.collect()))
 }

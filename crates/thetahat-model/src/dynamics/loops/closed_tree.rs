@@ -90,7 +90,7 @@ impl JointGeometry {
         let first = if shares.is_empty() { (0, 0.0) } else { shares.remove(0) };
         let others: f64 = shares.iter().map(|(c, ratio)| ratio * closed.reference_of(*c)).sum();
         let offset = position - first.1 * closed.reference_of(first.0) - others;
-        self.moved_by = JointCoordinate { coordinate: first.0, ratio: first.1, offset };
+        self.moved_by = JointCoordinate { coordinate: first.0, ratio: first.1, offset, ..self.moved_by };
         self.also_moved_by = shares;
     }
 }

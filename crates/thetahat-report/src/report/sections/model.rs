@@ -49,9 +49,16 @@ fn what(model: &ModelResult) -> String {
          tanh(dq / {}).{}{guessed}",
         significant(model.belief_percent, 2),
         significant(model.belief_weight, 3),
-        significant(model.friction_transition, 3),
+        transition(model.friction_transition, model.friction_transition_sliding),
         terms(model)
     )
+}
+
+/// The velocity at which friction changes its sign.
+fn transition(turning: f64, sliding: Option<f64>) -> String {
+    let of_slides =
+        sliding.map_or_else(String::new, |sliding| format!("; {} m/s where it slides", significant(sliding, 3)));
+    format!("{}{of_slides}", significant(turning, 3))
 }
 
 /// The torque terms that it has in addition to the robot's, in a sentence.
@@ -202,7 +209,7 @@ fn candidates(model: &ModelResult) -> Table {
         let [difference, error] =
             c.difference.map_or([NONE.to_owned(), NONE.to_owned()], |d| d.map(|v| significant(v, 3)));
         vec![
-            significant(c.friction_transition, 3),
+            transition(c.friction_transition, c.friction_transition_sliding),
             if c.terms.is_empty() { NONE.to_owned() } else { c.terms.join(", ") },
             significant(c.belief_weight, 3),
             significant(c.unseen_square, 4),

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::{
+    candidates::sliding_apart,
     deviations::{mean, mean_and_error, weighted},
     errors::SquaredErrors,
     folds::ModelFolds,
@@ -240,7 +241,8 @@ impl Search<'_> {
         let law = &self.choosing.laws[candidate.law];
         ModelCandidate {
             belief_weight: self.choosing.weights[candidate.weight],
-            friction_transition: law.transition,
+            friction_transition: law.transition.turning,
+            friction_transition_sliding: sliding_apart(law.transition, self.choosing.kinds),
             terms: kinds_of(law.terms).into_iter().map(str::to_owned).collect(),
             unseen_square,
             difference,

@@ -6,15 +6,20 @@ use super::{
     rows::ModelRows,
 };
 use crate::run::prepared::PreparedRecording;
+use thetahat_model::{dynamics::FrictionTransition, robot::JointKind};
 use thetahat_report::results::{ModelError, ModelJointError};
 
 /// Whether the sign of each row's friction is not settled at a sample between the row before and the row after.
-pub(super) fn turning(prepared: &[PreparedRecording], rows: &ModelRows, transition: f64) -> Vec<bool> {
+pub(super) fn turning(
+    prepared: &[PreparedRecording],
+    rows: &ModelRows,
+    (transition, kinds): (FrictionTransition, &[JointKind]),
+) -> Vec<bool> {
     let mut turning = Vec::new();
     for j in 0..rows.layout.joints() {
         for (p, decimator) in prepared.iter().zip(&rows.decimators) {
             let limits = near_rest_limits(p.filtered.near_rest.as_ref(), rows.layout.joints());
-            let limit = limits[j].max(SETTLED * transition);
+            let limit = limits[j].max(SETTLED * transition.of(kinds[j]));
             let dq = &p.filtered.motion.dq;
             let kept: Vec<usize> = decimator.kept().collect();
             let turns = |k: usize| {

@@ -8,6 +8,7 @@ use super::{
 };
 use thetahat_estimation::identification::NearRest;
 use thetahat_ground::linear_algebra::Matrix;
+use thetahat_model::{dynamics::FrictionTransition, robot::JointKind};
 
 /// Velocity below which a joint is near rest where no rule says so, rad/s or m/s.
 const NEAR_REST: f64 = 0.04;
@@ -155,7 +156,9 @@ pub(crate) struct Slow {
     /// The velocity below which each joint is near rest.
     pub(crate) near_rest: Vec<f64>,
     /// Velocities at which friction changes its sign.
-    pub(crate) transitions: Vec<f64>,
+    pub(crate) transitions: Vec<FrictionTransition>,
+    /// Whether each joint turns or slides.
+    pub(crate) kinds: Vec<JointKind>,
 }
 
 /// The motion of a joint at a row.
@@ -169,7 +172,8 @@ struct Motion {
 impl Slow {
     fn motion(&self, joint: usize, velocity: f64) -> Motion {
         let (speed, limit) = (velocity.abs(), self.near_rest[joint]);
-        let is_settled = |transition: &&f64| speed >= limit.max(SETTLED * **transition);
+        let kind = self.kinds[joint];
+        let is_settled = |transition: &&FrictionTransition| speed >= limit.max(SETTLED * transition.of(kind));
         Motion { is_near_rest: speed < limit, settled: self.transitions.iter().filter(is_settled).count() }
     }
 }

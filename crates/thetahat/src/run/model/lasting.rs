@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::{
+    candidates::kinds,
     choice::Choice,
     factors::{SETTLED, near_rest_limits},
     variant::Variant,
@@ -10,7 +11,10 @@ use super::{
 use crate::{filter_choice::residual_of, run::prepared::PreparedRecording};
 use thetahat_estimation::signal::Motion;
 use thetahat_ground::series::Series;
-use thetahat_model::dynamics::Sign;
+use thetahat_model::{
+    dynamics::{FrictionTransition, Sign},
+    robot::JointKind,
+};
 
 /// Part of a period of the position filter's cut-off after which noise that passed it is as often of one sign as of the other.
 const OF_PERIOD: f64 = 0.25;
@@ -42,18 +46,19 @@ impl Products {
 
 /// The root mean square of the errors that last for a quarter of a period of the cut-off, while a joint moves, percent of all torques: what
 /// few rows after a narrow filter would take for noise. Absent if torques take recorded channels.
-pub(super) fn lasting_percent(variant: &Variant<'_>, choice: &Choice, transition: f64) -> Option<f64> {
+pub(super) fn lasting_percent(variant: &Variant<'_>, choice: &Choice, transition: FrictionTransition) -> Option<f64> {
     let Variant { identification, problem, .. } = variant;
     let setup = identification.setup();
     if !problem.model.channels().is_empty() {
         return None;
     }
+    let kinds = kinds(setup);
     let (mut lasting, mut torque) = (0.0, 0.0);
     for prepared in identification.main.iter() {
         let lag = lag(prepared, setup.settings.signal.cutoff_hz);
         let Middle { tau, motion, is_used } = middle(prepared);
-        let left = residual_of(&tau, &motion, &problem.model, &choice.standard, Sign::Smooth { scale: transition });
-        let products = products((&left, &is_used), &motion.dq, &moving_from(prepared, transition), lag);
+        let left = residual_of(&tau, &motion, &problem.model, &choice.standard, Sign::ByKind(transition));
+        let products = products((&left, &is_used), &motion.dq, &moving_from(prepared, (transition, &kinds)), lag);
         let samples = tau.len() as f64;
         lasting += samples * products.iter().map(|of_joint| of_joint.lasting(lag)).sum::<f64>();
         torque += tau.values().iter().map(|tau| tau * tau).sum::<f64>();
@@ -105,10 +110,10 @@ fn middle(prepared: &PreparedRecording) -> Middle {
 }
 
 /// The velocity from which each joint moves.
-fn moving_from(prepared: &PreparedRecording, transition: f64) -> Vec<f64> {
+fn moving_from(prepared: &PreparedRecording, (transition, kinds): (FrictionTransition, &[JointKind])) -> Vec<f64> {
     let joints = prepared.filtered.motion.dq.channels();
     let limits = near_rest_limits(prepared.filtered.near_rest.as_ref(), joints);
-    limits.into_iter().map(|limit| limit.max(SETTLED * transition)).collect()
+    limits.into_iter().zip(kinds).map(|(limit, kind)| limit.max(SETTLED * transition.of(*kind))).collect()
 }
 
 fn products((left, is_used): (&Series, &[bool]), dq: &Series, moving_from: &[f64], lag: usize) -> Vec<Products> {

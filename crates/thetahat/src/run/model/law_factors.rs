@@ -7,6 +7,7 @@ use super::{
     factors::{ModelFactors, RepeatedRows},
     folds::ModelFolds,
     parts::FOLDS,
+    transition::Between,
 };
 use thetahat_estimation::regression::{BlockKey, Regression, RowLayout};
 use thetahat_ground::linear_algebra::{Matrix, dot, norm};
@@ -27,36 +28,32 @@ impl ModelData {
     pub(super) fn laws(&self) -> Vec<LawFactors> {
         let transitions = self.columns.transitions();
         let only = |own: usize| -> Vec<f64> { (0..transitions).map(|t| if t == own { 1.0 } else { 0.0 }).collect() };
-        (0..transitions).map(|transition| self.law(&only(transition))).collect()
+        let joints = self.columns.joints();
+        (0..transitions).map(|transition| self.law(&vec![only(transition); joints])).collect()
     }
 
-    /// The rows of the sum of all transitions with these weights.
-    pub(super) fn law(&self, weights: &[f64]) -> LawFactors {
+    /// The rows of the sum of all transitions with these weights for each joint.
+    pub(super) fn law(&self, weights: &[Vec<f64>]) -> LawFactors {
         LawFactors::new(self, weights, self.folds())
     }
 }
 
 impl ModelData {
-    /// The rows where the sign of friction is settled for all of `transitions` up to one, of which the columns are sums with these shares,
-    /// stretch by stretch, with the errors of each joint divided by its deviation.
-    pub(super) fn settled(
-        &self,
-        (transition, shares): (f64, &[f64]),
-        transitions: &[f64],
-        deviations: &[f64],
-    ) -> Regression {
-        let smaller = transitions.iter().filter(|other| **other < transition).count();
+    /// The rows where the sign of friction is settled for all transitions up to the one in between, stretch by stretch, with the errors of
+    /// each joint divided by its deviation.
+    pub(super) fn settled(&self, between: &Between, deviations: &[f64]) -> Regression {
+        let shares = between.weights();
         let (joints, parameters) = (self.columns.joints(), self.columns.parameters());
         let mut parts: Vec<Matrix> = Vec::new();
         let (mut layout, mut weights) = (RowLayout::empty(joints, self.recordings.len()), Vec::new());
         let (mut represented, mut first) = (vec![0.0; joints], 0);
         for (recording, (weight, factors)) in self.recordings.iter().enumerate() {
-            let of_law = factors.settled.iter().filter(|rows| rows.transitions > smaller);
+            let of_law = factors.settled.iter().filter(|rows| rows.transitions > between.smaller(rows.joint));
             let stretches = of_law.clone().map(|rows| rows.stretch + 1).max().unwrap_or(0);
             for (stretch, joint) in (0..stretches).flat_map(|s| (0..joints).map(move |j| (s, j))) {
                 let own = of_law.clone().filter(|rows| rows.stretch == stretch && rows.joint == joint);
                 for rows in own {
-                    let factor = self.columns.of_law(joint, shares, &rows.factor);
+                    let factor = self.columns.of_law(joint, &shares[joint], &rows.factor);
                     layout.push(BlockKey { joint, recording, stretch: first + stretch }, factor.rows());
                     weights.extend(vec![weight / deviations[joint]; factor.rows()]);
                     represented[joint] += rows.rows as f64;
@@ -129,7 +126,7 @@ pub(super) struct Stacked {
 }
 
 impl LawFactors {
-    fn new(data: &ModelData, weights: &[f64], folds: ModelFolds) -> Self {
+    fn new(data: &ModelData, weights: &[Vec<f64>], folds: ModelFolds) -> Self {
         let joints = data.columns.joints();
         let mut joined: BTreeMap<BlockPlace, (usize, Vec<Matrix>)> = BTreeMap::new();
         let mut correlated = Vec::new();
@@ -139,9 +136,9 @@ impl LawFactors {
                 let key = (cell.joint, part, cell.is_near_rest, weight.to_bits());
                 let (rows, all) = joined.entry(key).or_default();
                 *rows += cell.rows;
-                all.push(data.columns.of_law(cell.joint, weights, &cell.factor));
+                all.push(data.columns.of_law(cell.joint, &weights[cell.joint], &cell.factor));
             }
-            let of_law = |joint: usize, all: &Matrix| data.columns.of_law(joint, weights, all);
+            let of_law = |joint: usize, all: &Matrix| data.columns.of_law(joint, &weights[joint], all);
             correlated.extend((0..joints).map(|joint| Correlated::new(factors, joint, of_law)));
         }
         let block = |((joint, part, is_near_rest, weight), (rows, all)): (BlockPlace, (usize, Vec<Matrix>))| {

@@ -29,7 +29,7 @@ mod transition;
 mod variant;
 mod whitened;
 
-pub(crate) use candidates::transitions;
+pub(crate) use candidates::{kinds, sliding_apart, transitions};
 pub(crate) use columns::{ModelColumns, changing};
 pub(crate) use factors::{InPlaceOfRows, ModelCollector, Slow, near_rest_limits, span};
 pub use factors::{ModelCell, ModelFactors, RepeatedRows, SettledRows};
@@ -42,7 +42,7 @@ pub(in crate::run) use reduced::model_of_factors;
 
 use super::identification::Identification;
 use crate::preparation::{PreparationError, Problem};
-use candidates::{kinds, weights};
+use candidates::{LARGEST, weights};
 use causes::FrictionEvidence;
 use choice::{Choice, Choosing, SearchedLaws};
 use friction_terms::friction_terms;
@@ -81,7 +81,7 @@ impl Identification {
         let with_terms = tried.iter().filter_map(|terms| WithTerms::new(self, terms).transpose());
         let with_terms = with_terms.collect::<Result<Vec<_>, _>>()?;
         for WithTerms { identification, problem, terms } in &with_terms {
-            variants.extend(Variant::new(identification, problem, terms, &[model.friction_transition])?.ok());
+            variants.extend(Variant::new(identification, problem, terms, &[model.transition()])?.ok());
         }
         if !tried.is_empty()
             && let Some(choice) = self.best_of(&variants, choice.found)
@@ -97,7 +97,7 @@ impl Identification {
     /// The best law of the robot as described, of which one with a velocity between those tried first may be added.
     fn choose(&self, variants: &mut Vec<Variant>) -> Result<Option<Choice>, PreparationError> {
         let Some(choice) = self.best_of(variants, SearchedLaws::default()) else { return Ok(None) };
-        let mut refinement = Refinement::of(variants[0].laws(), &choice);
+        let mut refinement = Refinement::of(variants[0].laws(), &kinds(self.setup()), &choice).up_to(LARGEST);
         let mut refined = None;
         while let Some(transition) = refinement.next() {
             let variant = variants[0].with_transition(transition)?;

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::{
+    candidates::kinds,
     columns::ModelColumns,
     factors::{ModelCollector, ModelFactors, Slow, near_rest_limits},
     law_factors::ModelData,
@@ -15,6 +16,7 @@ use crate::{
 };
 use thetahat_estimation::signal::Decimator;
 use thetahat_ground::linear_algebra::Matrix;
+use thetahat_model::dynamics::FrictionTransition;
 
 /// Rows of a joint that are taken at once: of a short recording all.
 const ROWS_OF_PIECE: usize = 8192;
@@ -24,7 +26,7 @@ pub(super) fn data_of_rows(
     setup: Setup<'_>,
     prepared: &[PreparedRecording],
     problem: &Problem,
-    rows: &[(f64, ModelRows)],
+    rows: &[(FrictionTransition, ModelRows)],
 ) -> ModelData {
     let columns = ModelColumns::of_model(&problem.model, &problem.base, rows.len());
     let recording = |(k, p): (usize, &PreparedRecording)| {
@@ -39,13 +41,14 @@ fn factors_of(
     setup: Setup<'_>,
     (number, prepared): (usize, &PreparedRecording),
     columns: &ModelColumns,
-    rows: &[(f64, ModelRows)],
+    rows: &[(FrictionTransition, ModelRows)],
 ) -> ModelFactors {
     let first = &rows[0].1;
     let decimator = &first.decimators[number];
     let parts = row_parts(setup, prepared, decimator);
     let near_rest = near_rest_limits(prepared.filtered.near_rest.as_ref(), columns.joints());
-    let slow = Slow { near_rest, transitions: rows.iter().map(|(transition, _)| *transition).collect() };
+    let slow =
+        Slow { near_rest, transitions: rows.iter().map(|(transition, _)| *transition).collect(), kinds: kinds(setup) };
     let mut collector = ModelCollector::new(columns.clone(), (parts, decimator.rows()), slow, None);
     decimator.kept().for_each(|k| collector.take_velocities(prepared.filtered.motion.dq.sample(k)));
     let of_joint = |joint: usize, piece: &Range<usize>| {

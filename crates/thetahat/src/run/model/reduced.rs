@@ -11,11 +11,11 @@ use super::{
     law::Law,
     law_factors::{LawFactors, ModelData},
     result::FittedLaw,
-    transition::{Refinement, weights_between},
+    transition::{Between, Refinement},
 };
 use crate::preparation::{Problem, Setup};
 use thetahat_ground::{clock::Stopwatch, pool::available_threads};
-use thetahat_model::{base_parameters::BaseParameters, consistency::ConsistentSet};
+use thetahat_model::{base_parameters::BaseParameters, consistency::ConsistentSet, dynamics::FrictionTransition};
 use thetahat_report::results::{ModelResult, RunResult};
 
 /// The model of the robot as described, or why there is none; `truth` holds the true base parameters of twins. What only samples show
@@ -40,11 +40,12 @@ pub(in crate::run) fn model_of_factors(
         let choosing = Choosing { laws, weights: &weights, folds, kinds: &kinds };
         choosing.choose(available_threads(), found).ok_or("the rows determine no physically consistent robot")
     };
+    let between = |at: FrictionTransition| Between { transitions: &transitions, kinds: &kinds, at };
     let mut choice = choose(&laws, SearchedLaws::default())?;
-    let mut refinement = Refinement::of(laws.iter().copied(), &choice);
+    let mut refinement = Refinement::of(laws.iter().copied(), &kinds, &choice);
     let mut refined = None;
     while let Some(transition) = refinement.next() {
-        let found = data.law(&weights_between(&transitions, transition));
+        let found = data.law(&between(transition).weights());
         if refinement.add(&described.law(&found, transition)) {
             refined = Some((found, transition));
         }
@@ -54,8 +55,7 @@ pub(in crate::run) fn model_of_factors(
         choice = choose(&laws, choice.found)?;
     }
     let Law { transition, factors, .. } = laws[choice.law];
-    let shares = weights_between(&transitions, transition);
-    let settled = data.settled((transition, &shares), &transitions, &choice.deviations);
+    let settled = data.settled(&between(transition), &choice.deviations);
     let fitted = FittedLaw { setup, base, set, terms: &[], transition, factors, truth };
     let model = fitted.result(
         &choice,
@@ -74,7 +74,7 @@ struct Described<'a> {
 }
 
 impl Described<'_> {
-    fn law<'a>(&'a self, factors: &'a LawFactors, transition: f64) -> Law<'a> {
+    fn law<'a>(&'a self, factors: &'a LawFactors, transition: FrictionTransition) -> Law<'a> {
         let Self { set, base, columns } = *self;
         Law { set, base, columns, factors, rows: None, transition, terms: &[] }
     }

@@ -2,6 +2,7 @@
 
 use super::{
     beliefs::with_open_motors,
+    candidates::{kinds, sliding_apart},
     causes::{FoundCauses, FrictionEvidence, causes},
     choice::Choice,
     errors::{SquaredErrors, turning},
@@ -19,6 +20,7 @@ use thetahat_ground::linear_algebra::Matrix;
 use thetahat_model::{
     base_parameters::{BaseParameter, BaseParameters},
     consistency::{BaseKnowledge, ConsistentSet, bounds_of, interval_in, knowledge_of_base, stated_links},
+    dynamics::FrictionTransition,
     robot::{Parameter, TermDescription},
 };
 use thetahat_report::results::{ModelError, ModelParameter, ModelResult, ModelStandardParameter, RunResult};
@@ -26,7 +28,7 @@ use thetahat_report::results::{ModelError, ModelParameter, ModelResult, ModelSta
 /// The law of friction that was chosen, with its rows.
 pub(super) struct ChosenLaw<'v, 'a> {
     pub(super) variant: &'v Variant<'a>,
-    pub(super) transition: f64,
+    pub(super) transition: FrictionTransition,
     pub(super) rows: &'v ModelRows,
     pub(super) factors: &'v LawFactors,
 }
@@ -38,7 +40,7 @@ pub(super) struct FittedLaw<'a> {
     pub(super) set: &'a ConsistentSet,
     /// In addition to the robot's.
     pub(super) terms: &'a [TermDescription],
-    pub(super) transition: f64,
+    pub(super) transition: FrictionTransition,
     pub(super) factors: &'a LawFactors,
     /// True base parameters, of twins.
     pub(super) truth: Option<Vec<f64>>,
@@ -73,7 +75,7 @@ impl ChosenLaw<'_, '_> {
 
     fn fitted(&self, choice: &Choice, runs: &[RunResult], friction: FrictionEvidence) -> ModelResult {
         let Self { variant: Variant { identification, problem, set, terms, .. }, transition, rows, factors } = *self;
-        let turning = turning(&identification.main, rows, transition);
+        let turning = turning(&identification.main, rows, (transition, &kinds(identification.setup())));
         let found = (&choice.standard[..], &choice.deviations[..], transition);
         let found = causes(identification, problem, rows, &turning, found, friction);
         // The runs are of the robot without the terms.
@@ -118,7 +120,8 @@ impl FittedLaw<'_> {
             belief_weight: choice.weight,
             belief_percent: 100.0 * (2.0 / choice.weight).sqrt(),
             guessed_links: (0..guessed.len()).filter(|k| !guessed[*k]).map(|k| k + 1).collect(),
-            friction_transition: transition,
+            friction_transition: transition.turning,
+            friction_transition_sliding: sliding_apart(transition, &kinds(setup)),
             terms: terms.to_vec(),
             candidates: choice.candidates.clone(),
             fit: SquaredErrors::of(factors, &theta).error(),

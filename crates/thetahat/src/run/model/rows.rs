@@ -6,7 +6,7 @@ use crate::{
 };
 use thetahat_estimation::{identification::Assembly, regression::RowLayout, signal::Decimator};
 use thetahat_ground::linear_algebra::Matrix;
-use thetahat_model::dynamics::Sign;
+use thetahat_model::dynamics::{FrictionTransition, Sign};
 
 /// X and y of all base parameters.
 #[derive(Debug, Clone)]
@@ -47,7 +47,7 @@ impl ModelRows {
         setup: Setup<'_>,
         prepared: &[PreparedRecording],
         problem: &Problem,
-        transition: f64,
+        transition: FrictionTransition,
     ) -> Result<Self, PreparationError> {
         let signal = every_sample(&setup.settings.signal);
         let recordings: Vec<&FilteredRecording> = prepared.iter().map(|p| &p.filtered).collect();
@@ -58,7 +58,7 @@ impl ModelRows {
         let (mut matrices, mut vectors) = (Vec::new(), Vec::new());
         for (recording, decimator) in recordings.iter().zip(&decimators) {
             let assembly = Assembly::new(&problem.model, &columns, decimator.clone()).masked(recording.unused.clone());
-            matrices.push(recording.observation_matrix_of(&assembly, Sign::Smooth { scale: transition })?);
+            matrices.push(recording.observation_matrix_of(&assembly, Sign::ByKind(transition))?);
             vectors.push(assembly.measurement_vector(&recording.centred_torque())?);
         }
         let weights = layout.spread(|block| recordings[block.recording].recording.weight.sqrt());
@@ -75,7 +75,7 @@ impl ModelRows {
         &self,
         identification: &Identification,
         problem: &Problem,
-        transition: f64,
+        transition: FrictionTransition,
     ) -> Result<Self, PreparationError> {
         let columns = problem.base.columns();
         let table = problem.model.parameter_table();
@@ -86,7 +86,7 @@ impl ModelRows {
         for (prepared, decimator) in identification.main.iter().zip(&self.decimators) {
             let unused = prepared.filtered.unused.clone();
             let assembly = Assembly::new(&problem.model, &indices, decimator.clone()).masked(unused);
-            matrices.push(prepared.filtered.observation_matrix_of(&assembly, Sign::Smooth { scale: transition })?);
+            matrices.push(prepared.filtered.observation_matrix_of(&assembly, Sign::ByKind(transition))?);
         }
         let found = self.layout.stack_matrices(matrices);
         let found = found.scale_rows(&self.kept());

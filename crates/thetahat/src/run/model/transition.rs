@@ -3,56 +3,135 @@
 //! They are a factor of three apart. One in between would leave the difference of two hyperbolic tangents in the torque of every joint,
 //! which the other parameters of friction take up: a viscous friction was 42 % too large, with a narrow interval.
 
-use super::{choice::Choice, law::Law, whitened::Whitened};
-use thetahat_model::consistency::{Prior, fit_within};
+use super::{candidates::has_both, choice::Choice, law::Law, whitened::Whitened};
+use thetahat_model::{
+    consistency::{Prior, fit_within},
+    dynamics::FrictionTransition,
+    robot::JointKind,
+};
 
 /// Most steps, and the change of ln v below which none is made.
 const STEPS: usize = 6;
 const LEAST_STEP: f64 = 0.03;
 /// Distance of ln v between neighbours beyond which the objective is no parabola: the middle is tried.
 const WIDE: f64 = 0.7;
+/// Distance of ln v at which a neighbour is tried where there is none.
+const APART: f64 = 1.1;
 /// Part of the distance to a neighbour that a step keeps from it.
 const CLEAR: f64 = 0.1;
 /// Accuracy of the objectives that are compared.
 const GAP: f64 = 1e-7;
 
+/// The velocity that is searched, while the other stays.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Searched {
+    /// Both in proportion.
+    All,
+    Turning,
+    Sliding,
+}
+
+impl Searched {
+    fn of(self, transition: FrictionTransition) -> f64 {
+        match self {
+            Self::All | Self::Turning => transition.turning,
+            Self::Sliding => transition.sliding,
+        }
+    }
+
+    /// The transition with another velocity `v`.
+    fn with(self, transition: FrictionTransition, v: f64) -> FrictionTransition {
+        let FrictionTransition { turning, sliding } = transition;
+        match self {
+            Self::All if turning == sliding => FrictionTransition::of_all(v),
+            Self::All => FrictionTransition { turning: v, sliding: with_digits(v * sliding / turning) },
+            Self::Turning => FrictionTransition { turning: v, sliding },
+            Self::Sliding => FrictionTransition { turning, sliding: v },
+        }
+    }
+}
+
 /// A velocity v with the objective of its fit.
 #[derive(Debug, Clone, Copy)]
 struct Tried {
+    transition: FrictionTransition,
     ln_v: f64,
     objective: f64,
 }
 
-/// The search for the velocity with the least objective, by parabolas over ln v through the best and its neighbours.
+/// The search for the velocity with the least objective, by parabolas over ln v through the best and its neighbours: where some joints turn
+/// and others slide, first for both in proportion, then for each.
 pub(super) struct Refinement<'c> {
     choice: &'c Choice,
+    searched: Searched,
+    /// What is searched after it, the last first.
+    after: Vec<Searched>,
+    /// Where a neighbour is tried if there is none.
+    limits: [FrictionTransition; 2],
     tried: Vec<Tried>,
     steps: usize,
 }
 
 impl<'c> Refinement<'c> {
     /// Between the laws from which was chosen.
-    pub(super) fn of<'a>(laws: impl Iterator<Item = Law<'a>>, choice: &'c Choice) -> Self {
-        let mut refinement = Self { choice, tried: Vec::new(), steps: 0 };
+    pub(super) fn of<'a>(laws: impl Iterator<Item = Law<'a>> + Clone, kinds: &[JointKind], choice: &'c Choice) -> Self {
+        let after = if has_both(kinds) { vec![Searched::Turning, Searched::Sliding] } else { Vec::new() };
+        let limit = |better: fn(f64, f64) -> f64| FrictionTransition {
+            turning: laws.clone().map(|law| law.transition.turning).reduce(better).unwrap_or(f64::NAN),
+            sliding: laws.clone().map(|law| law.transition.sliding).reduce(better).unwrap_or(f64::NAN),
+        };
+        let limits = [limit(f64::min), limit(f64::max)];
+        let mut refinement = Self { choice, searched: Searched::All, after, limits, tried: Vec::new(), steps: 0 };
         for law in laws {
             refinement.add(&law);
         }
         refinement
     }
 
-    /// The velocity to try next, until the best is found; only a best between two others can be refined.
-    pub(super) fn next(&mut self) -> Option<f64> {
+    /// The same up to these velocities, where columns of any can be made.
+    pub(super) fn up_to(self, most: FrictionTransition) -> Self {
+        Self { limits: [self.limits[0], most], ..self }
+    }
+
+    /// The velocities to try next, until the best are found.
+    pub(super) fn next(&mut self) -> Option<FrictionTransition> {
+        loop {
+            let best = self.best()?;
+            if let Some(ln_v) = self.next_place() {
+                return Some(self.searched.with(best.transition, with_digits(ln_v.exp())));
+            }
+            self.searched = self.after.pop()?;
+            self.tried = vec![Tried { ln_v: self.searched.of(best.transition).ln(), ..best }];
+            self.steps = 0;
+        }
+    }
+
+    fn best(&self) -> Option<Tried> {
+        self.tried.iter().copied().min_by(|a, b| a.objective.total_cmp(&b.objective))
+    }
+
+    /// Of those that were tried first, only a best between two others is refined.
+    fn next_place(&mut self) -> Option<f64> {
         self.steps += 1;
+        if self.steps > STEPS {
+            return None;
+        }
         self.tried.sort_by(|a, b| a.ln_v.total_cmp(&b.ln_v));
-        let ln_v = (self.steps <= STEPS).then(|| next(&self.tried)).flatten()?;
-        Some(with_digits(ln_v.exp()))
+        match self.searched {
+            Searched::All => next(&self.tried),
+            Searched::Turning | Searched::Sliding => {
+                let limits = self.limits.map(|limit| self.searched.of(limit).ln());
+                missing_neighbour(&self.tried, limits).or_else(|| next(&self.tried))
+            }
+        }
     }
 
     /// Adds a law that was tried; returns whether it is the best until now.
     pub(super) fn add(&mut self, law: &Law) -> bool {
         let Some(objective) = self.objective(law) else { return false };
         let is_best = self.tried.iter().all(|other| objective < other.objective);
-        self.tried.push(Tried { ln_v: law.transition.ln(), objective });
+        let transition = law.transition;
+        self.tried.push(Tried { transition, ln_v: self.searched.of(transition).ln(), objective });
         is_best
     }
 
@@ -61,6 +140,16 @@ impl<'c> Refinement<'c> {
         let prior = Prior::Belief { weight: self.choice.weight };
         Some(fit_within(law.set, &data, prior, Some(&self.choice.standard), GAP).ok()?.objective)
     }
+}
+
+/// A place within the limits on the side of the best where there is no neighbour.
+fn missing_neighbour(tried: &[Tried], [least, most]: [f64; 2]) -> Option<f64> {
+    let best = (0..tried.len()).min_by(|a, b| tried[*a].objective.total_cmp(&tried[*b].objective))?;
+    let ln_v = tried[best].ln_v;
+    if best == 0 && ln_v > least + LEAST_STEP {
+        return Some((ln_v - APART).max(least));
+    }
+    (best + 1 == tried.len() && ln_v < most - LEAST_STEP).then(|| (ln_v + APART).min(most))
 }
 
 /// A number of three digits, as many as the steps decide: it does not depend on the rounding of fits.
@@ -83,9 +172,38 @@ fn next(tried: &[Tried]) -> Option<f64> {
     (ln_v.is_finite() && (ln_v - b).abs() > LEAST_STEP).then_some(ln_v)
 }
 
+/// A transition between those of which there are columns.
+pub(super) struct Between<'a> {
+    pub(super) transitions: &'a [FrictionTransition],
+    pub(super) kinds: &'a [JointKind],
+    pub(super) at: FrictionTransition,
+}
+
+impl Between<'_> {
+    fn of_joint(&self, joint: usize) -> (Vec<f64>, f64) {
+        let kind = self.kinds[joint];
+        (self.transitions.iter().map(|t| t.of(kind)).collect(), self.at.of(kind))
+    }
+
+    /// For each joint the weights with which its columns sum to nearly those of the transition.
+    pub(super) fn weights(&self) -> Vec<Vec<f64>> {
+        let of_joint = |joint: usize| {
+            let (velocities, v) = self.of_joint(joint);
+            weights_between(&velocities, v)
+        };
+        (0..self.kinds.len()).map(of_joint).collect()
+    }
+
+    /// How many of them are smaller for a joint.
+    pub(super) fn smaller(&self, joint: usize) -> usize {
+        let (velocities, v) = self.of_joint(joint);
+        velocities.iter().filter(|other| **other < v).count()
+    }
+}
+
 /// The weights with which the columns of some velocities sum to nearly those of one between them: Lagrange's polynomial in ln v. Between
 /// 0.01 and 0.03 rad/s the sum is within 0.03 of the hyperbolic tangent, and within 0.008 rms up to 0.3 rad/s.
-pub(super) fn weights_between(transitions: &[f64], transition: f64) -> Vec<f64> {
+fn weights_between(transitions: &[f64], transition: f64) -> Vec<f64> {
     let places: Vec<f64> = transitions.iter().map(|v| v.ln()).collect();
     let weight = |k: usize| {
         let others = places.iter().enumerate().filter(|(other, _)| *other != k);
@@ -96,7 +214,7 @@ pub(super) fn weights_between(transitions: &[f64], transition: f64) -> Vec<f64> 
 
 #[cfg(test)]
 mod tests {
-    use super::{Tried, next, weights_between};
+    use super::{FrictionTransition, Tried, missing_neighbour, next, weights_between};
 
     #[test]
     fn columns_between_two_velocities_are_nearly_sums_of_those_of_all() {
@@ -111,9 +229,23 @@ mod tests {
         assert!(worst < 0.03, "{worst}");
     }
 
+    fn at(ln_v: f64, objective: f64) -> Tried {
+        Tried { transition: FrictionTransition::of_all(ln_v.exp()), ln_v, objective }
+    }
+
+    #[test]
+    fn a_neighbour_is_tried_within_the_limits_where_there_is_none() {
+        let limits = [-7.0, -2.0];
+        assert_eq!(missing_neighbour(&[at(-4.0, 1.0)], limits), Some(-5.1));
+        assert_eq!(missing_neighbour(&[at(-5.1, 2.0), at(-4.0, 1.0)], limits), Some(-2.9));
+        assert_eq!(missing_neighbour(&[at(-4.0, 2.0), at(-2.9, 1.0)], limits), Some(-2.0));
+        assert_eq!(missing_neighbour(&[at(-2.9, 2.0), at(-2.0, 1.0)], limits), None);
+        assert_eq!(missing_neighbour(&[at(-5.1, 2.0), at(-4.0, 1.0), at(-2.9, 3.0)], limits), None);
+    }
+
     #[test]
     fn a_step_leads_to_the_vertex_of_a_parabola() {
-        let tried = |ln_v: f64| Tried { ln_v, objective: 3.0 + 2.0 * (ln_v + 3.9).powi(2) };
+        let tried = |ln_v: f64| at(ln_v, 3.0 + 2.0 * (ln_v + 3.9).powi(2));
         let found = next(&[tried(-4.3), tried(-3.8), tried(-3.2)]).unwrap();
         assert!((found + 3.9).abs() < 1e-12, "{found}");
         assert!(next(&[tried(-4.3), tried(-3.9), tried(-3.3)]).is_none());
@@ -122,9 +254,8 @@ mod tests {
 
     #[test]
     fn between_distant_neighbours_the_middle_is_tried() {
-        let tried = |ln_v: f64, objective: f64| Tried { ln_v, objective };
-        let (before, best, after) = (tried(-5.8, 2839.0), tried(-4.6, 1267.0), tried(-3.5, 2453.0));
+        let (before, best, after) = (at(-5.8, 2839.0), at(-4.6, 1267.0), at(-3.5, 2453.0));
         assert!((next(&[before, best, after]).unwrap() + 5.2).abs() < 1e-12);
-        assert!((next(&[tried(-5.2, 2000.0), best, after]).unwrap() + 4.05).abs() < 1e-12);
+        assert!((next(&[at(-5.2, 2000.0), best, after]).unwrap() + 4.05).abs() < 1e-12);
     }
 }

@@ -12,7 +12,7 @@ use crate::{
     preparation::{Case, PreparationError, Problem},
     run::{identification::Identification, prepared::filtered},
 };
-use thetahat_model::{consistency::ConsistentSet, robot::TermDescription};
+use thetahat_model::{consistency::ConsistentSet, dynamics::FrictionTransition, robot::TermDescription};
 
 /// The same recordings of a robot with more torque terms.
 pub(super) struct WithTerms {
@@ -41,7 +41,7 @@ pub(super) struct Variant<'a> {
     /// In addition to the robot's.
     pub(super) terms: &'a [TermDescription],
     /// The rows of each velocity at which friction changes its sign.
-    pub(super) rows: Vec<(f64, ModelRows)>,
+    pub(super) rows: Vec<(FrictionTransition, ModelRows)>,
     data: ModelData,
     /// The same rows as triangular factors.
     pub(super) factors: Vec<LawFactors>,
@@ -53,7 +53,7 @@ impl<'a> Variant<'a> {
         identification: &'a Identification,
         problem: &'a Problem,
         terms: &'a [TermDescription],
-        transitions: &[f64],
+        transitions: &[FrictionTransition],
     ) -> Result<Result<Self, String>, PreparationError> {
         let set = match problem.consistent_set(identification.setup()) {
             Ok(set) => set,
@@ -76,7 +76,7 @@ impl<'a> Variant<'a> {
     }
 
     /// The same with another velocity at which friction changes its sign, and no other.
-    pub(super) fn with_transition(&self, transition: f64) -> Result<Self, PreparationError> {
+    pub(super) fn with_transition(&self, transition: FrictionTransition) -> Result<Self, PreparationError> {
         let Self { identification, problem, terms, .. } = *self;
         let rows = vec![(transition, self.rows[0].1.with_transition(identification, problem, transition)?)];
         let data = data_of_rows(identification.setup(), &identification.main, problem, &rows);
@@ -88,7 +88,7 @@ impl<'a> Variant<'a> {
         self.data.folds()
     }
 
-    pub(super) fn laws(&self) -> impl Iterator<Item = Law<'_>> {
+    pub(super) fn laws(&self) -> impl Iterator<Item = Law<'_>> + Clone {
         self.rows.iter().zip(&self.factors).map(|((transition, rows), factors)| Law {
             set: &self.set,
             base: &self.problem.base,

@@ -33,7 +33,13 @@ pub const MODELS: [(&str, ModelKind); 4] = [
 pub fn count(file: &str, model: ModelKind) -> OperationCount {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
     let robot = Robot::read(&root.join(file)).unwrap();
-    let request =
-        Request { model, parameters: ParameterSet::Base, values: None, drives: DriveTorques::None, about: Vec::new() };
+    let request = Request {
+        model,
+        parameters: ParameterSet::Base,
+        values: None,
+        drives: DriveTorques::None,
+        about: Vec::new(),
+        friction_transition: None,
+    };
     Function::new(&robot, &request).unwrap().program.count()
 }

@@ -38,7 +38,7 @@ impl Torques<'_> {
             constant: self.each(|_, _, _| 1.0),
             time: self.each(|r, k, _| part_passed(r, k)),
             viscous_drift: self.each(|r, k, j| part_passed(r, k) * r.motion.dq.sample(k)[j]),
-            coulomb_drift: self.each(|r, k, j| part_passed(r, k) * self.sign.of(r.motion.dq.sample(k)[j])),
+            coulomb_drift: self.each(|r, k, j| part_passed(r, k) * self.sign_of(r.motion.dq.sample(k)[j], j)),
             gravity_friction: gravity.map_or([None, None], |gravity| self.load_friction(gravity.into_iter())),
             load_friction: self.load_friction(self.of_bodies.iter().map(|[torque, ..]| torque.clone())),
             fading: self.fading(),
@@ -62,10 +62,15 @@ impl Torques<'_> {
         sizes.iter_mut().flat_map(|load| load.values_mut()).for_each(|load| *load = load.abs());
         let mut against = sizes.clone();
         for (load, recording) in against.iter_mut().zip(self.recordings()) {
-            let pairs = load.values_mut().iter_mut().zip(recording.motion.dq.values());
-            pairs.for_each(|(load, dq)| *load *= self.sign.of(*dq));
+            let pairs = load.values_mut().iter_mut().zip(recording.motion.dq.values()).enumerate();
+            pairs.for_each(|(i, (load, dq))| *load *= self.sign_of(*dq, i % self.joints()));
         }
         [against, sizes].map(|loads| self.column(loads))
+    }
+
+    /// The smooth sign of a joint's velocity.
+    fn sign_of(&self, dq: f64, joint: usize) -> f64 {
+        self.sign.of(dq, self.kinds[joint])
     }
 
     fn fading(&self) -> [Option<Vec<f64>>; 2] {
@@ -73,7 +78,7 @@ impl Torques<'_> {
         SPEEDS.map(|part| {
             self.each(|r, k, j| {
                 let dq = r.motion.dq.sample(k)[j];
-                self.sign.of(dq) * (-(dq / (part * peaks[j]).max(f64::MIN_POSITIVE)).powi(2)).exp()
+                self.sign_of(dq, j) * (-(dq / (part * peaks[j]).max(f64::MIN_POSITIVE)).powi(2)).exp()
             })
         })
     }

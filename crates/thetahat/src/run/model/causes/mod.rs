@@ -18,7 +18,7 @@ use cause::Cause;
 use residual::{Evidence, Residual};
 use tested_rows::TestedRows;
 use thetahat_ground::pool::in_parallel;
-use thetahat_model::dynamics::Sign;
+use thetahat_model::dynamics::{FrictionTransition, Sign};
 use thetahat_report::results::{CauseKind, ModelCause, MovedParameter, SmallestShown};
 use torques::Torques;
 
@@ -78,10 +78,10 @@ pub(super) fn causes(
     problem: &Problem,
     rows: &ModelRows,
     turning: &[bool],
-    (standard, deviations, transition): (&[f64], &[f64], f64),
+    (standard, deviations, transition): (&[f64], &[f64], FrictionTransition),
     friction: FrictionEvidence,
 ) -> FoundCauses {
-    let sign = Sign::Smooth { scale: transition };
+    let sign = Sign::ByKind(transition);
     let tested = TestedRows::new(rows);
     let Some(torques) = Torques::new(identification, problem, &tested, standard, sign) else {
         return FoundCauses::default();

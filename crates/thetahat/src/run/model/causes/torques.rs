@@ -3,7 +3,7 @@
 use super::{cause::Cause, signal_rows::SignalRows, tested_rows::TestedRows};
 use crate::{
     preparation::{FilteredRecording, Problem},
-    run::identification::Identification,
+    run::{identification::Identification, model::kinds},
 };
 use statrs::statistics::Statistics;
 use thetahat_estimation::{
@@ -66,6 +66,8 @@ pub(super) struct Torques<'a> {
     pub(super) tested: &'a TestedRows<'a>,
     pub(super) standard: &'a [f64],
     pub(super) sign: Sign,
+    /// Whether each joint turns or slides.
+    pub(super) kinds: Vec<JointKind>,
     pub(super) robot: &'a Robot,
     /// Of each recording, with the model as it is.
     pub(super) predicted: Vec<Series>,
@@ -83,10 +85,10 @@ impl<'a> Torques<'a> {
         standard: &'a [f64],
         sign: Sign,
     ) -> Option<Self> {
-        let robot = identification.setup().robot;
+        let (robot, kinds) = (identification.setup().robot, kinds(identification.setup()));
         let (predicted, of_bodies, signals) = (Vec::new(), Vec::new(), SignalRows::default());
         let mut torques =
-            Self { identification, problem, tested, standard, sign, robot, predicted, of_bodies, signals };
+            Self { identification, problem, tested, standard, sign, kinds, robot, predicted, of_bodies, signals };
         let predicted = |r: &FilteredRecording| torques.of(&torques.problem.model, standard, &r.motion, r);
         torques.predicted = torques.recordings().map(predicted).collect::<Option<Vec<_>>>()?;
         torques.of_bodies = torques.torques_of_bodies()?;
