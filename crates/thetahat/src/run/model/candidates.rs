@@ -9,7 +9,7 @@ const TRANSITIONS: [f64; 5] = [0.03, 0.001, 0.003, 0.01, 0.1];
 pub(super) const LARGEST: FrictionTransition = FrictionTransition::of_all(0.1);
 /// Metres of a joint that slides for each radian of one that turns: of a robot whose joints all slide, and of one that has both.
 const SLIDING: f64 = 0.1;
-const SLIDING_BESIDE_TURNING: f64 = 0.3;
+const SLIDING_OF_BOTH: f64 = 0.3;
 
 /// Weights of the belief, in long-run variances of the residual; the first is the default.
 const WEIGHTS: [f64; 7] = [1.0, 1e-3, 1e-2, 0.1, 10.0, 100.0, 1000.0];
@@ -34,7 +34,7 @@ pub(crate) fn transitions(setup: Setup<'_>) -> Vec<FrictionTransition> {
     let all_slide = kinds.iter().all(|kind| *kind == JointKind::Prismatic);
     let of_number = |v: f64| match (all_slide, has_both(&kinds)) {
         (true, _) => FrictionTransition::of_all(SLIDING * v),
-        (false, true) => FrictionTransition { turning: v, sliding: SLIDING_BESIDE_TURNING * v },
+        (false, true) => FrictionTransition { turning: v, sliding: SLIDING_OF_BOTH * v },
         (false, false) => FrictionTransition::of_all(v),
     };
     TRANSITIONS.map(of_number).to_vec()

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use super::{
+    between::Between,
     columns::ModelColumns,
     factors::{ModelFactors, RepeatedRows},
     folds::ModelFolds,
     parts::FOLDS,
-    transition::Between,
 };
 use thetahat_estimation::regression::{BlockKey, Regression, RowLayout};
 use thetahat_ground::linear_algebra::{Matrix, dot, norm};

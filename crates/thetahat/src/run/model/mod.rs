@@ -6,6 +6,7 @@
 //! than chance, and so do torque terms of friction that the residual shows.
 
 mod beliefs;
+mod between;
 mod candidates;
 mod causes;
 mod choice;

@@ -2,6 +2,7 @@
 
 use super::{
     beliefs::beliefs,
+    between::Between,
     candidates::{kinds, transitions, weights},
     causes::FoundCauses,
     choice::{Choosing, SearchedLaws},
@@ -11,7 +12,7 @@ use super::{
     law::Law,
     law_factors::{LawFactors, ModelData},
     result::FittedLaw,
-    transition::{Between, Refinement},
+    transition::Refinement,
 };
 use crate::preparation::{Problem, Setup};
 use thetahat_ground::{clock::Stopwatch, pool::available_threads};
