@@ -156,7 +156,13 @@ def test_what_is_wrong_with_a_description_is_said(tmp_path):
         th.Robot.from_toml(tmp_path / "arm.toml")
 
 
-@pytest.mark.parametrize("scale", [0.0, -1.0, math.nan, math.inf])
+def test_joints_that_slide_have_a_velocity_scale_of_their_own():
+    q, dq, ddq = motion(200)
+    of_pair = ARM.inverse_dynamics(q, dq, ddq, sign_velocity_scale=(0.01, 5.0))
+    np.testing.assert_array_equal(of_pair, ARM.inverse_dynamics(q, dq, ddq, sign_velocity_scale=0.01))
+
+
+@pytest.mark.parametrize("scale", [0.0, -1.0, math.nan, math.inf, (0.01, 0.0)])
 def test_a_velocity_scale_that_is_none_is_refused(scale):
     q, dq, ddq = motion(200)
     calls = [

@@ -236,7 +236,7 @@ pub struct ModelOptions {
     pub belief_weight: Option<f64>,
     /// Velocity v of `tanh(dq / v)`, the sign of the Coulomb friction, rad/s or m/s.
     pub friction_transition: Option<f64>,
-    /// The same of joints that slide, m/s, where others turn; without it one number is that of all joints.
+    /// The same of joints that slide, m/s, where others turn: with friction_transition, which without it is that of all joints.
     pub friction_transition_sliding: Option<f64>,
 }
 

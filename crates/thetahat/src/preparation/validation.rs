@@ -96,7 +96,18 @@ impl Settings {
         ];
         let check =
             |(key, value): (&str, Option<f64>)| value.map_or(Ok(()), |v| PreparationError::require_positive(key, v));
-        stated.into_iter().try_for_each(check)
+        stated.into_iter().try_for_each(check)?;
+        match (friction_transition, friction_transition_sliding) {
+            (None, Some(sliding)) => {
+                let expected = "stated with friction_transition, that of joints that turn";
+                Err(PreparationError::value(
+                    "[model] friction_transition_sliding",
+                    expected,
+                    format!("{sliding} alone"),
+                ))
+            }
+            (None | Some(_), None) | (Some(_), Some(_)) => Ok(()),
+        }
     }
 
     fn validate_payloads(&self, robot: &Robot) -> Checked {

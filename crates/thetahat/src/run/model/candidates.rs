@@ -7,8 +7,9 @@ use thetahat_model::{dynamics::FrictionTransition, robot::JointKind};
 const TRANSITIONS: [f64; 5] = [0.03, 0.001, 0.003, 0.01, 0.1];
 /// The largest velocities that are tried.
 pub(super) const LARGEST: FrictionTransition = FrictionTransition::of_all(0.1);
-/// Metres of a joint that slides for each radian of one that turns: of a robot whose joints all slide, and of one that has both.
-const SLIDING: f64 = 0.1;
+/// Radians of a motor for each metre of a robot whose joints all slide: a pinion of 0.1 m.
+const SLIDING: f64 = 10.0;
+/// Metres of joints that slide for each radian of others that turn, from which both are searched.
 const SLIDING_OF_BOTH: f64 = 0.3;
 
 /// Weights of the belief, in long-run variances of the residual; the first is the default.
@@ -33,7 +34,7 @@ pub(crate) fn transitions(setup: Setup<'_>) -> Vec<FrictionTransition> {
     let kinds = kinds(setup);
     let all_slide = kinds.iter().all(|kind| *kind == JointKind::Prismatic);
     let of_number = |v: f64| match (all_slide, has_both(&kinds)) {
-        (true, _) => FrictionTransition::of_all(SLIDING * v),
+        (true, _) => FrictionTransition::of_all(v / SLIDING),
         (false, true) => FrictionTransition { turning: v, sliding: SLIDING_OF_BOTH * v },
         (false, false) => FrictionTransition::of_all(v),
     };

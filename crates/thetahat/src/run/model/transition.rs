@@ -10,13 +10,16 @@ use thetahat_model::{
     robot::JointKind,
 };
 
-/// Most steps, and the change of ln v below which none is made.
-const STEPS: usize = 6;
+/// Most steps between neighbours.
+const STEPS: usize = 8;
+/// The change of ln v below which a step is made only for a gain, in long-run variances of the residual, and that below which none is made.
 const LEAST_STEP: f64 = 0.03;
+const LEAST_GAIN: f64 = 1.0;
+const FINEST_STEP: f64 = 0.005;
 /// Distance of ln v between neighbours beyond which the objective is no parabola: the middle is tried.
 const WIDE: f64 = 0.7;
 /// Distance of ln v at which a neighbour is tried where there is none.
-const APART: f64 = 1.1;
+const APART: f64 = 0.6;
 /// Part of the distance to a neighbour that a step keeps from it.
 const CLEAR: f64 = 0.1;
 /// Accuracy of the objectives that are compared.
@@ -51,7 +54,7 @@ impl Searched {
     }
 }
 
-/// A velocity v with the objective of its fit.
+/// A velocity v with the objective of its fit, which is infinite if there is none.
 #[derive(Debug, Clone, Copy)]
 struct Tried {
     transition: FrictionTransition,
@@ -73,9 +76,10 @@ pub(super) struct Refinement<'c> {
 }
 
 impl<'c> Refinement<'c> {
-    /// Between the laws from which was chosen.
+    /// Between the laws from which was chosen; one alone is stated.
     pub(super) fn of<'a>(laws: impl Iterator<Item = Law<'a>> + Clone, kinds: &[JointKind], choice: &'c Choice) -> Self {
-        let after = if has_both(kinds) { vec![Searched::Turning, Searched::Sliding] } else { Vec::new() };
+        let is_stated = laws.clone().nth(1).is_none();
+        let after = if has_both(kinds) && !is_stated { vec![Searched::Turning, Searched::Sliding] } else { Vec::new() };
         let limit = |better: fn(f64, f64) -> f64| FrictionTransition {
             turning: laws.clone().map(|law| law.transition.turning).reduce(better).unwrap_or(f64::NAN),
             sliding: laws.clone().map(|law| law.transition.sliding).reduce(better).unwrap_or(f64::NAN),
@@ -112,24 +116,23 @@ impl<'c> Refinement<'c> {
 
     /// Of those that were tried first, only a best between two others is refined.
     fn next_place(&mut self) -> Option<f64> {
-        self.steps += 1;
-        if self.steps > STEPS {
-            return None;
-        }
         self.tried.sort_by(|a, b| a.ln_v.total_cmp(&b.ln_v));
-        match self.searched {
-            Searched::All => next(&self.tried),
+        let missing = match self.searched {
+            Searched::All => None,
             Searched::Turning | Searched::Sliding => {
-                let limits = self.limits.map(|limit| self.searched.of(limit).ln());
-                missing_neighbour(&self.tried, limits).or_else(|| next(&self.tried))
+                missing_neighbour(&self.tried, self.limits.map(|limit| self.searched.of(limit).ln()))
             }
-        }
+        };
+        missing.or_else(|| {
+            self.steps += 1;
+            (self.steps <= STEPS).then(|| next(&self.tried)).flatten()
+        })
     }
 
     /// Adds a law that was tried; returns whether it is the best until now.
     pub(super) fn add(&mut self, law: &Law) -> bool {
-        let Some(objective) = self.objective(law) else { return false };
-        let is_best = self.tried.iter().all(|other| objective < other.objective);
+        let objective = self.objective(law).unwrap_or(f64::INFINITY);
+        let is_best = objective.is_finite() && self.tried.iter().all(|other| objective < other.objective);
         let transition = law.transition;
         self.tried.push(Tried { transition, ln_v: self.searched.of(transition).ln(), objective });
         is_best
@@ -169,7 +172,9 @@ fn next(tried: &[Tried]) -> Option<f64> {
     let (left, right) = ((b - a) * rise_after, (c - b) * rise_before);
     let step = 0.5 * ((c - b) * right - (b - a) * left) / (left + right);
     let ln_v = (b + step).clamp(a + CLEAR * (b - a), c - CLEAR * (c - b));
-    (ln_v.is_finite() && (ln_v - b).abs() > LEAST_STEP).then_some(ln_v)
+    let change = (ln_v - b).abs();
+    let gain = (left + right) / ((b - a) * (c - b) * (c - a)) * change.powi(2);
+    (change > LEAST_STEP || (change > FINEST_STEP && gain > LEAST_GAIN)).then_some(ln_v)
 }
 
 #[cfg(test)]
@@ -183,11 +188,11 @@ mod tests {
     #[test]
     fn a_neighbour_is_tried_within_the_limits_where_there_is_none() {
         let limits = [-7.0, -2.0];
-        assert_eq!(missing_neighbour(&[at(-4.0, 1.0)], limits), Some(-5.1));
-        assert_eq!(missing_neighbour(&[at(-5.1, 2.0), at(-4.0, 1.0)], limits), Some(-2.9));
-        assert_eq!(missing_neighbour(&[at(-4.0, 2.0), at(-2.9, 1.0)], limits), Some(-2.0));
-        assert_eq!(missing_neighbour(&[at(-2.9, 2.0), at(-2.0, 1.0)], limits), None);
-        assert_eq!(missing_neighbour(&[at(-5.1, 2.0), at(-4.0, 1.0), at(-2.9, 3.0)], limits), None);
+        assert_eq!(missing_neighbour(&[at(-4.0, 1.0)], limits), Some(-4.6));
+        assert_eq!(missing_neighbour(&[at(-4.5, 2.0), at(-4.0, 1.0)], limits), Some(-3.4));
+        assert_eq!(missing_neighbour(&[at(-3.0, 2.0), at(-2.5, 1.0)], limits), Some(-2.0));
+        assert_eq!(missing_neighbour(&[at(-2.5, 2.0), at(-2.0, 1.0)], limits), None);
+        assert_eq!(missing_neighbour(&[at(-4.5, 2.0), at(-4.0, 1.0), at(-3.5, 3.0)], limits), None);
     }
 
     #[test]
