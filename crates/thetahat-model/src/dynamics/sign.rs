@@ -17,6 +17,12 @@ impl FrictionTransition {
         Self { turning: velocity, sliding: velocity }
     }
 
+    /// That of joints that slide, if it is another number.
+    #[must_use]
+    pub fn sliding_apart(self) -> Option<f64> {
+        (self.sliding != self.turning).then_some(self.sliding)
+    }
+
     /// That of a joint.
     #[inline(always)]
     #[must_use]

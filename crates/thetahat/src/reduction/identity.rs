@@ -6,7 +6,7 @@ use super::ReductionError;
 use crate::{
     experiment::Experiment,
     preparation::{Mask, NamedMask, Settings},
-    run::{ModelColumns, changing, kinds, sliding_apart, transitions},
+    run::{ModelColumns, changing, transitions},
 };
 use thetahat_model::{
     base_parameters::BaseParameters,
@@ -60,7 +60,7 @@ impl Identity {
         has_jumps: bool,
     ) -> Self {
         let signal = experiment.settings.signal;
-        let (transitions, kinds) = (transitions(experiment.setup()), kinds(experiment.setup()));
+        let transitions = transitions(experiment.setup());
         let joints: Vec<String> = experiment.robot.coordinates().map(|j| j.name.clone()).collect();
         Self {
             robot: experiment.robot.name.clone(),
@@ -76,7 +76,7 @@ impl Identity {
             derivative: signal.derivative.to_string(),
             mask: mask_in_words(&experiment.settings, has_jumps),
             transitions: transitions.iter().map(|t| t.turning).collect(),
-            sliding_transitions: transitions.iter().filter_map(|t| sliding_apart(*t, &kinds)).collect(),
+            sliding_transitions: transitions.iter().filter_map(|t| t.sliding_apart()).collect(),
             changing: changing(model, base),
         }
     }

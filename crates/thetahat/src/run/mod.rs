@@ -51,7 +51,7 @@ pub use identification::Identification;
 pub(crate) use identification::{CaseProblem, explain};
 pub(crate) use model::{
     FEWEST_RECORDINGS, FOLDS, InPlaceOfRows, ModelCollector, ModelColumns, ModelData, RowParts, STRETCHES, Slow,
-    changing, kinds, memory, near_rest_limits, places, sliding_apart, span, transitions,
+    changing, memory, near_rest_limits, places, span, transitions,
 };
 #[doc(hidden)]
 pub use model::{ModelCell, ModelFactors, Parts, RepeatedRows, SettledRows};

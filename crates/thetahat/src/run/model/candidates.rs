@@ -31,22 +31,12 @@ pub(crate) fn transitions(setup: Setup<'_>) -> Vec<FrictionTransition> {
     if let Some(turning) = model.friction_transition {
         return vec![FrictionTransition { turning, sliding: model.friction_transition_sliding.unwrap_or(turning) }];
     }
-    let kinds = kinds(setup);
-    let all_slide = kinds.iter().all(|kind| *kind == JointKind::Prismatic);
-    let of_number = |v: f64| match (all_slide, has_both(&kinds)) {
-        (true, _) => FrictionTransition::of_all(v / SLIDING),
-        (false, true) => FrictionTransition { turning: v, sliding: SLIDING_OF_BOTH * v },
-        (false, false) => FrictionTransition::of_all(v),
+    // Nothing rubs in a base that floats.
+    let has = |kind: JointKind| setup.robot.coordinates().any(|joint| joint.kind == kind && !joint.of_base);
+    let of_number = |v: f64| match (has(JointKind::Revolute), has(JointKind::Prismatic)) {
+        (true, true) => FrictionTransition { turning: v, sliding: SLIDING_OF_BOTH * v },
+        (false, true) => FrictionTransition::of_all(v / SLIDING),
+        (true | false, false) => FrictionTransition::of_all(v),
     };
     TRANSITIONS.map(of_number).to_vec()
-}
-
-/// Whether some joints turn and others slide.
-pub(super) fn has_both(kinds: &[JointKind]) -> bool {
-    kinds.iter().any(|kind| *kind != kinds[0])
-}
-
-/// The transition of joints that slide where others turn.
-pub(crate) fn sliding_apart(transition: FrictionTransition, kinds: &[JointKind]) -> Option<f64> {
-    has_both(kinds).then_some(transition.sliding)
 }

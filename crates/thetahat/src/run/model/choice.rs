@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 
 use super::{
-    candidates::sliding_apart,
     deviations::{mean, mean_and_error, weighted},
     errors::SquaredErrors,
     folds::ModelFolds,
@@ -242,7 +241,7 @@ impl Search<'_> {
         ModelCandidate {
             belief_weight: self.choosing.weights[candidate.weight],
             friction_transition: law.transition.turning,
-            friction_transition_sliding: sliding_apart(law.transition, self.choosing.kinds),
+            friction_transition_sliding: law.transition.sliding_apart(),
             terms: kinds_of(law.terms).into_iter().map(str::to_owned).collect(),
             unseen_square,
             difference,

@@ -30,7 +30,7 @@ mod transition;
 mod variant;
 mod whitened;
 
-pub(crate) use candidates::{kinds, sliding_apart, transitions};
+pub(crate) use candidates::{kinds, transitions};
 pub(crate) use columns::{ModelColumns, changing};
 pub(crate) use factors::{InPlaceOfRows, ModelCollector, Slow, near_rest_limits, span};
 pub use factors::{ModelCell, ModelFactors, RepeatedRows, SettledRows};
@@ -98,7 +98,7 @@ impl Identification {
     /// The best law of the robot as described, of which one with a velocity between those tried first may be added.
     fn choose(&self, variants: &mut Vec<Variant>) -> Result<Option<Choice>, PreparationError> {
         let Some(choice) = self.best_of(variants, SearchedLaws::default()) else { return Ok(None) };
-        let mut refinement = Refinement::of(variants[0].laws(), &kinds(self.setup()), &choice).up_to(LARGEST);
+        let mut refinement = Refinement::of(variants[0].laws(), &choice).up_to(LARGEST);
         let mut refined = None;
         while let Some(transition) = refinement.next() {
             let variant = variants[0].with_transition(transition)?;

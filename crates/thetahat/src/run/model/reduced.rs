@@ -43,7 +43,7 @@ pub(in crate::run) fn model_of_factors(
     };
     let between = |at: FrictionTransition| Between { transitions: &transitions, kinds: &kinds, at };
     let mut choice = choose(&laws, SearchedLaws::default())?;
-    let mut refinement = Refinement::of(laws.iter().copied(), &kinds, &choice);
+    let mut refinement = Refinement::of(laws.iter().copied(), &choice);
     let mut refined = None;
     while let Some(transition) = refinement.next() {
         let found = data.law(&between(transition).weights());

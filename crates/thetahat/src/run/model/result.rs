@@ -2,7 +2,7 @@
 
 use super::{
     beliefs::with_open_motors,
-    candidates::{kinds, sliding_apart},
+    candidates::kinds,
     causes::{FoundCauses, FrictionEvidence, causes},
     choice::Choice,
     errors::{SquaredErrors, turning},
@@ -121,7 +121,7 @@ impl FittedLaw<'_> {
             belief_percent: 100.0 * (2.0 / choice.weight).sqrt(),
             guessed_links: (0..guessed.len()).filter(|k| !guessed[*k]).map(|k| k + 1).collect(),
             friction_transition: transition.turning,
-            friction_transition_sliding: sliding_apart(transition, &kinds(setup)),
+            friction_transition_sliding: transition.sliding_apart(),
             terms: terms.to_vec(),
             candidates: choice.candidates.clone(),
             fit: SquaredErrors::of(factors, &theta).error(),

@@ -3,11 +3,10 @@
 //! They are a factor of three apart. One in between would leave the difference of two hyperbolic tangents in the torque of every joint,
 //! which the other parameters of friction take up: a viscous friction was 42 % too large, with a narrow interval.
 
-use super::{candidates::has_both, choice::Choice, law::Law, whitened::Whitened};
+use super::{choice::Choice, law::Law, whitened::Whitened};
 use thetahat_model::{
     consistency::{Prior, fit_within},
     dynamics::FrictionTransition,
-    robot::JointKind,
 };
 
 /// Most steps between neighbours.
@@ -77,9 +76,10 @@ pub(super) struct Refinement<'c> {
 
 impl<'c> Refinement<'c> {
     /// Between the laws from which was chosen; one alone is stated.
-    pub(super) fn of<'a>(laws: impl Iterator<Item = Law<'a>> + Clone, kinds: &[JointKind], choice: &'c Choice) -> Self {
+    pub(super) fn of<'a>(laws: impl Iterator<Item = Law<'a>> + Clone, choice: &'c Choice) -> Self {
         let is_stated = laws.clone().nth(1).is_none();
-        let after = if has_both(kinds) && !is_stated { vec![Searched::Turning, Searched::Sliding] } else { Vec::new() };
+        let has_both = laws.clone().any(|law| law.transition.sliding_apart().is_some());
+        let after = if has_both && !is_stated { vec![Searched::Turning, Searched::Sliding] } else { Vec::new() };
         let limit = |better: fn(f64, f64) -> f64| FrictionTransition {
             turning: laws.clone().map(|law| law.transition.turning).reduce(better).unwrap_or(f64::NAN),
             sliding: laws.clone().map(|law| law.transition.sliding).reduce(better).unwrap_or(f64::NAN),
