@@ -46,19 +46,26 @@ fn what(model: &ModelResult) -> String {
     format!(
         "The physically consistent robot that predict, export, generate and sample use. Before the recordings each a-priori body \
          is believed to {} % (weight {}), friction and motor inertias to a factor of three. Coulomb friction changes its sign as \
-         tanh(dq / {}).{}{guessed}",
+         {}.{}{guessed}",
         significant(model.belief_percent, 2),
         significant(model.belief_weight, 3),
-        transition(model.friction_transition, model.friction_transition_sliding),
+        sign(model),
         terms(model)
     )
 }
 
-/// The velocity at which friction changes its sign.
-fn transition(turning: f64, sliding: Option<f64>) -> String {
-    let of_slides =
-        sliding.map_or_else(String::new, |sliding| format!("; {} m/s where it slides", significant(sliding, 3)));
-    format!("{}{of_slides}", significant(turning, 3))
+/// The sign of Coulomb friction, as a formula.
+fn sign(model: &ModelResult) -> String {
+    let turning = significant(model.friction_transition, 3);
+    match model.friction_transition_sliding {
+        None => format!("tanh(dq / {turning})"),
+        Some(sliding) => {
+            let sliding = significant(sliding, 3);
+            format!(
+                "tanh(dq / v), where v is {turning} rad/s of joints that turn and {sliding} m/s of joints that slide"
+            )
+        }
+    }
 }
 
 /// The torque terms that it has in addition to the robot's, in a sentence.
@@ -204,12 +211,21 @@ fn standard(model: &ModelResult) -> Table {
     }
 }
 
+/// Of joints that turn, rad/s, and of those that slide, m/s, where both are.
+fn transition(candidate: &ModelCandidate) -> String {
+    let turning = significant(candidate.friction_transition, 3);
+    match candidate.friction_transition_sliding {
+        None => turning,
+        Some(sliding) => format!("{turning}, {}", significant(sliding, 3)),
+    }
+}
+
 fn candidates(model: &ModelResult) -> Table {
     let row = |c: &ModelCandidate| {
         let [difference, error] =
             c.difference.map_or([NONE.to_owned(), NONE.to_owned()], |d| d.map(|v| significant(v, 3)));
         vec![
-            transition(c.friction_transition, c.friction_transition_sliding),
+            transition(c),
             if c.terms.is_empty() { NONE.to_owned() } else { c.terms.join(", ") },
             significant(c.belief_weight, 3),
             significant(c.unseen_square, 4),
