@@ -67,4 +67,6 @@ mod driver_bags;
 #[cfg(test)]
 mod driver_tests;
 #[cfg(test)]
+mod length_tests;
+#[cfg(test)]
 mod tests;

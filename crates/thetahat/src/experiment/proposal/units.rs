@@ -19,6 +19,9 @@ const LARGEST_OF_CONTINUOUS: f64 = 20.0 * std::f64::consts::PI;
 /// Times the range of a joint's limits by which no joint turns: its values are in another unit.
 const RANGES: f64 = 3.0;
 
+/// Travel beyond which, m, no joint without limits slides.
+const LARGEST_TRAVEL: f64 = 20.0;
+
 /// Joints of a pendulum.
 const FEW: usize = 2;
 /// By how much a position may exceed a limit of its joint, rad or m.
@@ -63,6 +66,15 @@ impl Measured {
     }
 }
 
+/// Whether a joint travels too far in m, and not in mm.
+fn is_in_mm(channel: &ChannelSummary, joint: &Joint) -> bool {
+    let Some((least, most)) = channel.min.zip(channel.max) else { return false };
+    let limits = joint.limits.lower.zip(joint.limits.upper).filter(|(lower, upper)| upper > lower);
+    let allowed = limits.map_or(LARGEST_TRAVEL, |(lower, upper)| upper - lower);
+    let travel = most - least;
+    travel > RANGES * allowed && Unit::Millimetre.to_si() * travel < RANGES * allowed
+}
+
 /// The evidence for the units of a file's signals.
 pub(super) struct Units<'u, 'a> {
     pub(super) request: &'u ProposalRequest,
@@ -81,7 +93,7 @@ impl Units<'_, '_> {
         match (&self.request.position_unit, named) {
             (Some(unit), named) => Ok(self.on_a_side(self.stated("position", unit, named)?, columns, "as stated")),
             (None, Err(misfit)) => Err(self.refused("position", misfit)),
-            (None, Ok(None)) => Ok(self.guessed_position(columns)),
+            (None, Ok(None)) => Ok(self.with_lengths_in_mm(self.guessed_position(columns), columns)),
             (None, Ok(Some(NamedUnits { units, why, counts }))) => {
                 let measured = self.on_a_side(units, columns, why);
                 self.require_joints(&measured, columns).map_err(|misfit| self.refused("position", misfit))?;
@@ -233,6 +245,24 @@ impl Units<'_, '_> {
             );
             joint(Unit::Radian, &why)
         }
+    }
+
+    /// Joints that slide are in mm where they would travel too far in m, and not in mm.
+    fn with_lengths_in_mm(&self, mut measured: Measured, columns: &[SelectedColumn<'_>]) -> Measured {
+        if measured.side == Side::Motor || self.source.is_bag() {
+            return measured;
+        }
+        let mut some = false;
+        let channels = columns.iter().flat_map(|c| c.channels).zip(&self.joints);
+        for (unit, (channel, joint)) in measured.units.iter_mut().zip(channels) {
+            if *unit == Unit::Metre && is_in_mm(channel, joint) {
+                (*unit, some) = (Unit::Millimetre, true);
+            }
+        }
+        if some {
+            measured.why += ", and too large for m where a joint slides";
+        }
+        measured
     }
 
     /// On the motors' side the robot's drive gains turn a drive's unit into torque, where it has any.
