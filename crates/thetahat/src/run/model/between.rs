@@ -24,10 +24,13 @@ impl Between<'_> {
         (0..self.kinds.len()).map(of_joint).collect()
     }
 
-    /// How many of them are smaller for a joint.
-    pub(super) fn smaller(&self, joint: usize) -> usize {
-        let (velocities, v) = self.of_joint(joint);
-        velocities.iter().filter(|other| **other < v).count()
+    /// For each joint how many of them are smaller.
+    pub(super) fn smaller(&self) -> Vec<usize> {
+        let of_joint = |joint: usize| {
+            let (velocities, v) = self.of_joint(joint);
+            velocities.iter().filter(|other| **other < v).count()
+        };
+        (0..self.kinds.len()).map(of_joint).collect()
     }
 }
 

@@ -43,12 +43,13 @@ impl ModelData {
     /// each joint divided by its deviation.
     pub(super) fn settled(&self, between: &Between, deviations: &[f64]) -> Regression {
         let shares = between.weights();
+        let smaller = between.smaller();
         let (joints, parameters) = (self.columns.joints(), self.columns.parameters());
         let mut parts: Vec<Matrix> = Vec::new();
         let (mut layout, mut weights) = (RowLayout::empty(joints, self.recordings.len()), Vec::new());
         let (mut represented, mut first) = (vec![0.0; joints], 0);
         for (recording, (weight, factors)) in self.recordings.iter().enumerate() {
-            let of_law = factors.settled.iter().filter(|rows| rows.transitions > between.smaller(rows.joint));
+            let of_law = factors.settled.iter().filter(|rows| rows.transitions > smaller[rows.joint]);
             let stretches = of_law.clone().map(|rows| rows.stretch + 1).max().unwrap_or(0);
             for (stretch, joint) in (0..stretches).flat_map(|s| (0..joints).map(move |j| (s, j))) {
                 let own = of_law.clone().filter(|rows| rows.stretch == stretch && rows.joint == joint);

@@ -111,7 +111,7 @@ impl<'c> Refinement<'c> {
     }
 
     fn best(&self) -> Option<Tried> {
-        self.tried.iter().copied().min_by(|a, b| a.objective.total_cmp(&b.objective))
+        best_of(&self.tried).map(|best| self.tried[best])
     }
 
     /// Of those that were tried first, only a best between two others is refined.
@@ -145,9 +145,14 @@ impl<'c> Refinement<'c> {
     }
 }
 
+/// The place of the least objective.
+fn best_of(tried: &[Tried]) -> Option<usize> {
+    (0..tried.len()).min_by(|a, b| tried[*a].objective.total_cmp(&tried[*b].objective))
+}
+
 /// A place within the limits on the side of the best where there is no neighbour.
 fn missing_neighbour(tried: &[Tried], [least, most]: [f64; 2]) -> Option<f64> {
-    let best = (0..tried.len()).min_by(|a, b| tried[*a].objective.total_cmp(&tried[*b].objective))?;
+    let best = best_of(tried)?;
     let ln_v = tried[best].ln_v;
     if best == 0 && ln_v > least + LEAST_STEP {
         return Some((ln_v - APART).max(least));
@@ -162,7 +167,7 @@ fn with_digits(v: f64) -> f64 {
 
 /// The vertex of the parabola through the best and its neighbours, or the middle to a distant one; none if it is next to the best.
 fn next(tried: &[Tried]) -> Option<f64> {
-    let best = (0..tried.len()).min_by(|a, b| tried[*a].objective.total_cmp(&tried[*b].objective))?;
+    let best = best_of(tried)?;
     let (before, after) = (tried.get(best.checked_sub(1)?)?, tried.get(best + 1)?);
     let (a, b, c) = (before.ln_v, tried[best].ln_v, after.ln_v);
     if (b - a).max(c - b) > WIDE {
