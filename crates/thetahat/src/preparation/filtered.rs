@@ -326,6 +326,11 @@ impl FilteredRecording {
         Ok(signal.decimator(self.window.len())?.leaving_out(&self.left_out))
     }
 
+    /// The same for the model's rows.
+    pub(crate) fn model_decimator(&self, signal: &SignalOptions) -> Result<Decimator, SignalError> {
+        Ok(signal.model_decimator(self.window.len())?.leaving_out(&self.left_out))
+    }
+
     /// The samples of its window that are near rest, of a model with these parameters; none if all make rows.
     pub(crate) fn mask(&self, model: &Model, parameters: &[usize]) -> Option<Arc<RowMask>> {
         let Some(rule) = &self.near_rest else { return self.unused.clone() };

@@ -226,6 +226,11 @@ impl SignalOptions {
             Mask::Named(NamedMask::NearRest) | Mask::Stated(_) => decimator.with_zero_padding(),
         })
     }
+
+    /// The same for the model's rows: beyond its ends a recording is zero, so that no row has the noise of a single sample.
+    pub(crate) fn model_decimator(&self, samples: usize) -> Result<Decimator, SignalError> {
+        Ok(Decimator::new(self.decimation, samples)?.with_zero_padding())
+    }
 }
 
 /// What the model does not have to find: a stated value is the only candidate.

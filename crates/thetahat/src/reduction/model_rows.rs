@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::{factors::rows_of_segment, identity::Identity};
 use crate::{
-    preparation::{Mask, NamedMask, SignalOptions},
+    preparation::SignalOptions,
     run::{InPlaceOfRows, ModelCollector, ModelColumns, ModelFactors, RowParts, Slow},
 };
 use thetahat_estimation::signal::{DecimatedPiece, Decimator, Joiner, Motion, SignalError};
@@ -64,12 +64,11 @@ impl ModelRows {
         signal: &SignalOptions,
         samples: usize,
     ) -> Result<Self, SignalError> {
-        let every_sample = SignalOptions { mask: Mask::Named(NamedMask::None), ..*signal };
         let columns = base.columns();
         let changing: Vec<usize> = identity.changing.iter().map(|&c| columns[c]).collect();
         Ok(Self {
             columns: identity.model_columns(),
-            decimator: every_sample.decimator(samples)?,
+            decimator: signal.model_decimator(samples)?,
             first: Regressor::new(model, &columns),
             changing: Regressor::new(model, &changing),
             changing_columns: identity.changing.clone(),
@@ -121,7 +120,7 @@ impl ModelRows {
     fn entries<'a>(&'a self, model: &'a Model, motion: &'a Motion) -> Vec<BufferedRegressor<'a>> {
         let regressors = [&self.first].into_iter().chain(std::iter::repeat(&self.changing));
         let of = |(transition, regressor): (&FrictionTransition, &'a Regressor)| {
-            BufferedRegressor::new(regressor, model, [&motion.q, &motion.dq, &motion.ddq], Sign::ByKind(*transition))
+            BufferedRegressor::new(regressor, model, [&motion.q, &motion.dq, &motion.ddq], Sign::Smooth(*transition))
         };
         self.transitions.iter().zip(regressors).map(of).collect()
     }

@@ -1,7 +1,7 @@
 //! The rows that the model is fitted to: those of every sample of the windows, with a smooth sign of the velocity.
 
 use crate::{
-    preparation::{FilteredRecording, Mask, NamedMask, PreparationError, Problem, Setup, SignalOptions},
+    preparation::{FilteredRecording, PreparationError, Problem, Setup},
     run::{identification::Identification, prepared::PreparedRecording},
 };
 use thetahat_estimation::{identification::Assembly, regression::RowLayout, signal::Decimator};
@@ -18,11 +18,6 @@ pub(super) struct ModelRows {
     pub(super) decimators: Vec<Decimator>,
     /// The root of each row's weight, by its recording.
     pub(super) weights: Vec<f64>,
-}
-
-/// Every sample makes rows.
-fn every_sample(signal: &SignalOptions) -> SignalOptions {
-    SignalOptions { mask: Mask::Named(NamedMask::None), ..*signal }
 }
 
 /// The part of a row's samples that are used from which on it counts.
@@ -49,16 +44,16 @@ impl ModelRows {
         problem: &Problem,
         transition: FrictionTransition,
     ) -> Result<Self, PreparationError> {
-        let signal = every_sample(&setup.settings.signal);
+        let signal = &setup.settings.signal;
         let recordings: Vec<&FilteredRecording> = prepared.iter().map(|p| &p.filtered).collect();
-        let decimators = recordings.iter().map(|r| r.decimator(&signal)).collect::<Result<Vec<_>, _>>()?;
+        let decimators = recordings.iter().map(|r| r.model_decimator(signal)).collect::<Result<Vec<_>, _>>()?;
         let rows: Vec<usize> = decimators.iter().map(Decimator::rows).collect();
         let layout = RowLayout::new(problem.model.coordinate_count(), &rows);
         let columns = problem.base.columns();
         let (mut matrices, mut vectors) = (Vec::new(), Vec::new());
         for (recording, decimator) in recordings.iter().zip(&decimators) {
             let assembly = Assembly::new(&problem.model, &columns, decimator.clone()).masked(recording.unused.clone());
-            matrices.push(recording.observation_matrix_of(&assembly, Sign::ByKind(transition))?);
+            matrices.push(recording.observation_matrix_of(&assembly, Sign::Smooth(transition))?);
             vectors.push(assembly.measurement_vector(&recording.centred_torque())?);
         }
         let weights = layout.spread(|block| recordings[block.recording].recording.weight.sqrt());
@@ -86,7 +81,7 @@ impl ModelRows {
         for (prepared, decimator) in identification.main.iter().zip(&self.decimators) {
             let unused = prepared.filtered.unused.clone();
             let assembly = Assembly::new(&problem.model, &indices, decimator.clone()).masked(unused);
-            matrices.push(prepared.filtered.observation_matrix_of(&assembly, Sign::ByKind(transition))?);
+            matrices.push(prepared.filtered.observation_matrix_of(&assembly, Sign::Smooth(transition))?);
         }
         let found = self.layout.stack_matrices(matrices);
         let found = found.scale_rows(&self.kept());
