@@ -84,13 +84,18 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &ThinnedRe
     }
     let factors: Vec<f64> = wrong.iter().map(|s| s.factor).collect();
     let middle = median(&factors);
-    let common = wrong.len() >= SEVERAL.min(scales.len()) && wrong.len() > 1;
+    let common = wrong.len() > 1 && (wrong.len() >= SEVERAL.min(scales.len()) || none_agrees(&scales));
     let agreeing = scales.iter().filter(|s| s.off() < ALIKE).count();
     let is_single = wrong.len() == 1 && agreeing >= WITNESSES;
     let is_absurd = off(middle) > ABSURD;
     let severity = if common || is_single || is_absurd { Severity::Problem } else { Severity::Warning };
     let only = if wrong.len() == 1 { Some(wrong[0].coordinate) } else { None };
     exam.raise(evidence(only, off(middle)), severity, finding_text(exam.subject.robot, &wrong, middle, common));
+}
+
+/// Whether all of several torques are far from those of the masses, be the part of the links small.
+fn none_agrees(scales: &[Scale]) -> bool {
+    scales.len() >= SEVERAL && scales.iter().all(|s| s.off() > LIMIT)
 }
 
 fn evidence(coordinate: Option<usize>, value: f64) -> Evidence {
@@ -246,5 +251,17 @@ mod tests {
         assert!(!is_offered(&[757.0, 760.0, 750.0]));
         assert!(!is_offered(&[980.0, 1010.0, 100.0]));
         assert!(!is_offered(&[0.001, 0.001, 0.001]));
+    }
+
+    /// An arm whose torques are currents, of which the links take a fifth at most joints.
+    #[test]
+    fn torques_of_which_none_agrees_with_the_masses_are_wrong_at_all_joints() {
+        let scale = |(coordinate, (factor, part)): (usize, (f64, f64))| Scale { coordinate, factor, part };
+        let scales = |of: [(f64, f64); 4]| of.into_iter().enumerate().map(scale).collect::<Vec<_>>();
+        let currents = scales([(0.035, 0.17), (0.036, 0.24), (0.042, 0.21), (0.075, 0.08)]);
+        assert_eq!(currents.iter().filter(|s| s.is_wrong()).count(), 2);
+        assert!(none_agrees(&currents));
+        assert!(!none_agrees(&scales([(0.035, 0.17), (0.036, 0.24), (0.042, 0.21), (1.1, 0.08)])));
+        assert!(!none_agrees(&currents[..2]));
     }
 }
