@@ -373,7 +373,7 @@ pub const REASONS: [[&str; 4]; 18] = [
     ],
     [
         "correlated-residual",
-        "what neighbouring rows predict of the model's residual is above {diagnosis/verdict/model STRUCTURE_PERCENT} % of the torques, or errors at the rate of the samples that last for {run/model/lasting OF_MOTION} of the motion's period above {diagnosis/verdict/model LASTING_PERCENT} %, and no cause is named; without a model: neighbouring rows of a joint's residual correlate by more than {diagnosis/verdict/estimates WHITE} plus {diagnosis/verdict/estimates MORE_DEVIATIONS} / sqrt(rows)",
+        "what neighbouring rows predict of the model's residual is above {diagnosis/verdict/model STRUCTURE_PERCENT} % of the torques, or errors at the rate of the samples that last for {run/model/lasting OF_MOTION} of the motion's period above {diagnosis/verdict/model LASTING_PERCENT} %, or torques that look early at reversals explain more than {results/cause EARLY_PERCENT} %, and no cause is named; without a model: neighbouring rows of a joint's residual correlate by more than {diagnosis/verdict/estimates WHITE} plus {diagnosis/verdict/estimates MORE_DEVIATIONS} / sqrt(rows)",
         "",
         "`compare_terms = true`; look at the residual over velocity, position and load",
     ],

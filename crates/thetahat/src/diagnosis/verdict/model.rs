@@ -60,7 +60,7 @@ pub(super) fn reasons(results: &Results, model: &ModelResult) -> Vec<VerdictReas
     let causes = model.causes.iter().enumerate().filter(is_own);
     let mut causes: Vec<VerdictReason> = causes.filter_map(|(_, c)| cause(results, c)).collect();
     if causes.is_empty() {
-        causes.extend(structure(results, model));
+        causes.extend(structure(results, model).or_else(|| early_at_reversals(results, model)));
     }
     reasons.extend(causes);
     reasons
@@ -120,11 +120,10 @@ fn far_from_fit(model: &ModelResult) -> Option<VerdictReason> {
 
 /// A cause that matters.
 fn cause(results: &Results, found: &ModelCause) -> Option<VerdictReason> {
-    let period = results.recordings.first().map_or(0.0, |r| 1.0 / r.sample_rate_hz);
     let verdict = match found.kind {
         CauseKind::LateTorque => {
             let late = found.size.unwrap_or(0.0).abs();
-            (late > (LATE_SAMPLES * period).max(LATE_S)).then_some(Verdict::Care)?
+            (late > least_delay_s(results)).then_some(Verdict::Care)?
         }
         CauseKind::Payload if found.error_percent > PAYLOAD_PERCENT => Verdict::DoNotUse,
         CauseKind::Payload
@@ -230,6 +229,28 @@ fn structure(results: &Results, model: &ModelResult) -> Option<VerdictReason> {
     let said = ReasonText::new(seen, "look at the residual over velocity, position and load in the report");
     let numbers = [("structure_percent", Some(percent)), ("limit", Some(limit))];
     Some(reason(ReasonCode::CorrelatedResidual, Verdict::Care, &numbers, ReasonSubject::default(), said))
+}
+
+/// Torques at reversals that look early, which the check of lags does not find: friction near rest that the model does not have, as of
+/// Stribeck.
+fn early_at_reversals(results: &Results, model: &ModelResult) -> Option<VerdictReason> {
+    let counts = |c: &&ModelCause| c.looks_early() && c.size < Some(-least_delay_s(results));
+    let found = model.causes.iter().find(counts)?;
+    let seen = format!(
+        "{} % of the torques are left at reversals, as of torques that are early by {} ms, which no lag confirms: friction near rest \
+         has another law than the model's",
+        significant(found.error_percent, 2),
+        significant(-1e3 * found.size?, 2)
+    );
+    let said = ReasonText::new(seen, "record each joint at several constant speeds, which show the law");
+    let numbers = [("structure_percent", Some(found.error_percent))];
+    Some(reason(ReasonCode::CorrelatedResidual, Verdict::Care, &numbers, ReasonSubject::default(), said))
+}
+
+/// The least delay of torques that is worth a correction.
+fn least_delay_s(results: &Results) -> f64 {
+    let period = results.recordings.first().map_or(0.0, |r| 1.0 / r.sample_rate_hz);
+    (LATE_SAMPLES * period).max(LATE_S)
 }
 
 /// `100 sqrt(sum_j r_j e_j^2 / sum_j tau_j^2)` of the joints' residuals e, with the correlation r of neighbouring rows above that of

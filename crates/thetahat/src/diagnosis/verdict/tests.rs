@@ -362,6 +362,25 @@ fn with_inertias(deviations: [f64; 2]) -> Results {
     results
 }
 
+/// No recorder makes torques early: at reversals it is friction that the model does not have.
+#[test]
+fn torques_that_look_early_ask_for_care() {
+    let late = |size_s: f64, error_percent: f64| {
+        let mut results = with_inertias([1.0, 1.0]);
+        let cause = format!(
+            r#"{{"kind": "late-torque", "subject": "", "log10_probability": -8.0, "size": {size_s}, "standard_deviation": 1e-4,
+                "unit": "s", "error_percent": {error_percent}, "moved": []}}"#
+        );
+        results.model.as_mut().unwrap().causes.push(serde_json::from_str(&cause).unwrap());
+        judge(&mut results);
+        (results.verdict.unwrap(), results.verdict_reasons.iter().map(|r| r.code).collect::<Vec<_>>())
+    };
+    let good = (Verdict::Good, Vec::new());
+    // Half a period of a controller at 1 kHz, late as the recorders are; early within the noise; early by a friction that is not modelled.
+    assert_eq!([late(5e-4, 0.5), late(-2e-3, 0.2), late(-5e-4, 0.5)], [good.clone(), good.clone(), good]);
+    assert_eq!(late(-2e-3, 0.5), care(ReasonCode::CorrelatedResidual));
+}
+
 #[test]
 fn an_inertia_that_is_open_is_care_for_simulations_alone() {
     let uses = |deviations| with_inertias(deviations).model.unwrap().uses;

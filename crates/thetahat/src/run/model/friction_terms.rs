@@ -11,7 +11,8 @@ const FADING: [f64; 4] = [0.05, 0.1, 0.2, 0.4];
 pub(super) fn friction_terms(identification: &Identification, causes: &[ModelCause]) -> Vec<Vec<TermDescription>> {
     let shows = |kind: CauseKind| causes.iter().any(|cause| cause.kind == kind);
     let of_load = vec![TermDescription::LoadFriction { joints: None }];
-    if !shows(CauseKind::SpeedFriction) {
+    let is_of_speed = shows(CauseKind::SpeedFriction) || causes.iter().any(ModelCause::looks_early);
+    if !is_of_speed {
         return if shows(CauseKind::LoadFriction) { vec![of_load] } else { Vec::new() };
     }
     let robot = identification.setup().robot;

@@ -72,7 +72,7 @@ impl Identification {
             Err(why) => return Ok(Err(why)),
         };
         let mut variants = vec![described];
-        let Some(choice) = self.choose(&mut variants)? else {
+        let Some(choice) = self.choose(&mut variants, SearchedLaws::default())? else {
             return Ok(Err("the rows determine no physically consistent robot".to_owned()));
         };
         let is_stated = self.setup().settings.model.is_stated();
@@ -86,6 +86,7 @@ impl Identification {
         }
         if !tried.is_empty()
             && let Some(choice) = self.best_of(&variants, choice.found)
+            && let Some(choice) = self.with_any_transition(&mut variants, choice)?
         {
             let described = std::mem::take(&mut model.causes);
             model = law_of(&variants, choice.law).model(&choice, runs, FrictionEvidence::AfterTerms)?;
@@ -95,13 +96,17 @@ impl Identification {
         Ok(Ok(model))
     }
 
-    /// The best law of the robot as described, of which one with a velocity between those tried first may be added.
-    fn choose(&self, variants: &mut Vec<Variant>) -> Result<Option<Choice>, PreparationError> {
-        let Some(choice) = self.best_of(variants, SearchedLaws::default()) else { return Ok(None) };
-        let mut refinement = Refinement::of(variants[0].laws(), &choice).up_to(LARGEST);
+    /// The best law; one of the last variant may get a velocity between those tried first.
+    fn choose(&self, variants: &mut Vec<Variant>, found: SearchedLaws) -> Result<Option<Choice>, PreparationError> {
+        let Some(choice) = self.best_of(variants, found) else { return Ok(None) };
+        let last = variants.len() - 1;
+        if variant_of(variants, choice.law) != last {
+            return Ok(Some(choice));
+        }
+        let mut refinement = Refinement::of(variants[last].laws(), &choice).up_to(LARGEST);
         let mut refined = None;
         while let Some(transition) = refinement.next() {
-            let variant = variants[0].with_transition(transition)?;
+            let variant = variants[last].with_transition(transition)?;
             if variant.laws().any(|law| refinement.add(&law)) {
                 refined = Some(variant);
             }
@@ -109,6 +114,21 @@ impl Identification {
         let Some(refined) = refined else { return Ok(Some(choice)) };
         variants.push(refined);
         Ok(self.best_of(variants, choice.found))
+    }
+
+    /// The best law where that of a robot with more terms may have any velocity: without the terms it made up for them.
+    fn with_any_transition(
+        &self,
+        variants: &mut Vec<Variant>,
+        choice: Choice,
+    ) -> Result<Option<Choice>, PreparationError> {
+        let Variant { identification, problem, terms, .. } = variants[variant_of(variants, choice.law)];
+        if terms.is_empty() {
+            return Ok(Some(choice));
+        }
+        let with_all = Variant::new(identification, problem, terms, &transitions(self.setup()))?;
+        variants.extend(with_all.ok());
+        self.choose(variants, choice.found)
     }
 
     /// The law and the weight that predict best what is left out.
@@ -147,11 +167,26 @@ fn add_causes_in_model(model: &mut ModelResult, described: Vec<ModelCause>) {
     if model.terms.is_empty() {
         return;
     }
-    let in_model = described.into_iter().filter(has_term);
+    let in_model = described.into_iter().map(as_friction).filter(has_term);
     let in_model: Vec<ModelCause> =
         in_model.map(|cause| ModelCause { in_model: true, moved: Vec::new(), ..cause }).collect();
     model.causes.extend(in_model);
     model.causes.sort_by(|a, b| a.log10_probability.total_cmp(&b.log10_probability));
+}
+
+/// What a cause is where a torque term takes it: torques that look early are friction over speed.
+fn as_friction(cause: ModelCause) -> ModelCause {
+    if !cause.looks_early() {
+        return cause;
+    }
+    let (kind, size, standard_deviation, unit) = (CauseKind::SpeedFriction, None, None, String::new());
+    ModelCause { kind, size, standard_deviation, unit, ..cause }
+}
+
+/// The variant of a law, counted over all variants.
+fn variant_of(variants: &[Variant], law: usize) -> usize {
+    let mut laws = variants.iter().enumerate().flat_map(|(k, variant)| variant.rows.iter().map(move |_| k));
+    laws.nth(law).unwrap_or_default()
 }
 
 /// The law of a number, counted over all variants.
