@@ -316,7 +316,7 @@ pub fn sign_of(scale: Option<SignScale>) -> PyResult<Sign> {
     };
     let FrictionTransition { turning, sliding } = transition;
     match [turning, sliding].into_iter().find(|v| !(v.is_finite() && *v > 0.0)) {
-        None => Ok(Sign::ByKind(transition)),
+        None => Ok(Sign::Smooth(transition)),
         Some(scale) => {
             Err(PyValueError::new_err(format!("sign_velocity_scale is {scale}; it is a velocity above zero, or None")))
         }

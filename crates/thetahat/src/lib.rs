@@ -90,10 +90,10 @@ pub mod recording {
 
 /// Inverse and forward dynamics, mass matrix and energy, without allocation.
 pub mod dynamics {
-    #[doc(hidden)]
-    pub use thetahat_model::dynamics::FrictionTransition;
     #[doc(inline)]
-    pub use thetahat_model::dynamics::{DynamicParameters, DynamicsError, Model, Sign, State, Workspace};
+    pub use thetahat_model::dynamics::{
+        DynamicParameters, DynamicsError, FrictionTransition, Model, Sign, State, Workspace,
+    };
 }
 
 /// The regressor `phi` of `tau = phi(q, dq, ddq) theta`.
@@ -190,11 +190,12 @@ pub mod checks {
 
 /// What a run yields, as plain data.
 pub mod results {
+    #[doc(hidden)]
+    pub use thetahat_report::results::NOMINAL;
     #[doc(inline)]
     pub use thetahat_report::results::{
-        CampaignResults, Card, DesignResults, JointResult, ModelResult, NOMINAL, NotExamined, ParameterResult,
-        Prediction, ProfiledTerm, ReasonCode, RecordingFindings, ResultsError, RunResult, SideBySide, Verdict,
-        VerdictReason,
+        CampaignResults, Card, DesignResults, JointResult, ModelResult, NotExamined, ParameterResult, Prediction,
+        ProfiledTerm, ReasonCode, RecordingFindings, ResultsError, RunResult, SideBySide, Verdict, VerdictReason,
     };
 }
 

@@ -25,7 +25,7 @@ pub const DQ: [f64; 6] = [1.3, -2.1, 0.9, 0.2, -3.0, 1.1];
 /// Its joint accelerations, rad/s^2, or torques.
 pub const DDQ: [f64; 6] = [5.0, 2.0, -8.0, 1.0, 3.0, -4.0];
 /// The sign of a simulation.
-pub const SIGN: Sign = Sign::Smooth { scale: 0.002 };
+pub const SIGN: Sign = Sign::smooth(0.002);
 
 /// The robot, its parameters and scratch.
 pub struct Tx40 {

@@ -38,7 +38,7 @@ impl<'a> Plant<'a> {
         let drive = setup.transmission.drive_to_joint_units();
         Self {
             parameters: DynamicParameters::sorted(setup.model, &with_friction(setup, theta)),
-            sign: Sign::Smooth { scale: setup.sign_velocity_scale },
+            sign: Sign::smooth(setup.sign_velocity_scale),
             workspace: Workspace::new(setup.model),
             damping: DampingWorkspace::default(),
             coupling: Coupling::new(&setup.transmission.motor_in_joint_units(), ratio),

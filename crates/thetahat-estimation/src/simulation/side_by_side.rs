@@ -37,7 +37,7 @@ impl WithSimd for SideBySide<'_> {
         let lanes = if model.has_loops() { 1 } else { Lanes::<S>::COUNT };
         let mut work = Work::new(self.jobs, lanes);
         let (n, zero) = (model.coordinate_count(), Lanes::splat(simd, 0.0));
-        let sign = Sign::Smooth { scale: sign_velocity_scale };
+        let sign = Sign::smooth(sign_velocity_scale);
         let mut workspace = Workspace::like(model, zero);
         let [mut q, mut dq, mut tau, mut ddq] = [(); 4].map(|()| vec![zero; n]);
         let mut channels = vec![zero; model.channels().len() * n];

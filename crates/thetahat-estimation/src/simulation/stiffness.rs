@@ -23,7 +23,7 @@ impl ClosedLoop<'_> {
         let [mut q, mut dq, mut ddq] = [(); 3].map(|()| vec![0.0; n]);
         let [mut mass, mut damping] = [(); 2].map(|()| vec![0.0; n * n]);
         let mut channels = vec![0.0; self.channels.map_or(0, |(series, _)| series.channels())];
-        let sign = Sign::Smooth { scale: self.sign_velocity_scale };
+        let sign = Sign::smooth(self.sign_velocity_scale);
         let mut damping_workspace = DampingWorkspace::default();
         let mut fastest: f64 = 0.0;
         for point in 0..POINTS {

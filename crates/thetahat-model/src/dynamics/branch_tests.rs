@@ -21,7 +21,7 @@ fn the_accelerations_of_branches_are_those_of_the_whole() {
     let accelerations = |model: &Model, theta: &[f64], part: &[usize]| {
         let motion = [0.7, 1.3, 2.1].map(|w| series(part, w));
         let parameters = DynamicParameters::sorted(model, theta);
-        let sign = Sign::Smooth { scale: 0.1 };
+        let sign = Sign::smooth(0.1);
         model.forward_dynamics_with_channels(&parameters, motion.each_ref(), None, sign).unwrap()
     };
     let all = accelerations(&whole, &theta, &[0, 1, 2, 3]);

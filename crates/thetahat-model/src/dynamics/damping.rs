@@ -77,7 +77,7 @@ mod tests {
         let robot = Robot::parse(COUPLED, Path::new("robot.toml")).unwrap();
         let model = Model::new(&robot);
         let parameters = DynamicParameters::sorted(&model, &robot.a_priori_parameters());
-        let sign = Sign::Smooth { scale: 0.05 };
+        let sign = Sign::smooth(0.05);
         let mut workspace = Workspace::new(&model);
         let mut torques = |dq: &[f64]| {
             let mut tau = [0.0; 2];

@@ -32,7 +32,7 @@ fn torques(robot: &Robot, [q, dq, ddq]: [[f64; 2]; 3]) -> [f64; 2] {
     let model = Model::new(robot);
     let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters()).unwrap();
     let (mut tau, mut workspace) = ([0.0; 2], Workspace::new(&model));
-    let sign = Sign::Smooth { scale: 0.1 };
+    let sign = Sign::smooth(0.1);
     model.inverse_dynamics(&parameters, State::new(&q, &dq), &ddq, sign, &mut workspace, &mut tau);
     tau
 }

@@ -113,7 +113,7 @@ mod tests {
     use super::*;
     use crate::robot::Robot;
 
-    const SIGN: Sign = Sign::Smooth { scale: 0.1 };
+    const SIGN: Sign = Sign::smooth(0.1);
     const MIXED: &str = "name = \"mixed\"\n[[joint]]\nname = \"a\"\nkind = \"revolute\"\n\
         [[joint]]\nname = \"b\"\nkind = \"prismatic\"\nalpha_deg = 90\na_m = 0.2\n\
         [[joint]]\nname = \"c\"\nkind = \"revolute\"\nalpha_deg = -40\nd_m = 0.3\n\

@@ -109,7 +109,7 @@ mod tests {
     fn torques(model: &Model, parameters: &DynamicParameters) -> [f64; 2] {
         let state = State::new(&[0.3, -0.7], &[1.1, -0.4]);
         let mut tau = [0.0; 2];
-        let sign = Sign::Smooth { scale: 0.5 };
+        let sign = Sign::smooth(0.5);
         model.inverse_dynamics(parameters, state, &[2.0, 3.0], sign, &mut Workspace::new(model), &mut tau);
         tau
     }

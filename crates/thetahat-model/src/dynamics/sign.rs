@@ -39,17 +39,17 @@ impl FrictionTransition {
 pub enum Sign {
     /// -1, 0 or 1: for measured velocities.
     Exact,
-    /// `tanh(v / scale)`: for simulated velocities, with the scale in rad/s or m/s.
-    Smooth {
-        /// The velocity at which friction reaches 76 % of its Coulomb value.
-        scale: f64,
-    },
-    /// The same with a velocity for each kind of joint.
-    #[doc(hidden)]
-    ByKind(FrictionTransition),
+    /// `tanh(dq / v)`: for simulated velocities, with the v of the joint's kind.
+    Smooth(FrictionTransition),
 }
 
 impl Sign {
+    /// `tanh(dq / v)` with the same number v for all joints, rad/s or m/s.
+    #[must_use]
+    pub const fn smooth(v: f64) -> Self {
+        Self::Smooth(FrictionTransition::of_all(v))
+    }
+
     /// The sign of the velocity `v` of a joint.
     #[inline(always)]
     #[must_use]
@@ -62,8 +62,7 @@ impl Sign {
     pub(crate) fn of_each<T: Real>(self, v: T, kind: JointKind) -> T {
         match self {
             Self::Exact => sign_or(v, v),
-            Self::Smooth { scale } => tanh(v / v.like(scale)),
-            Self::ByKind(transition) => tanh(v / v.like(transition.of(kind))),
+            Self::Smooth(transition) => tanh(v / v.like(transition.of(kind))),
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::{regressor::Regressor, robot::Robot};
 use thetahat_ground::series::Series;
 
 const GRAVITY: f64 = 9.81;
-const SMOOTH: Sign = Sign::Smooth { scale: 0.1 };
+const SMOOTH: Sign = Sign::smooth(0.1);
 
 fn robot(text: &str) -> Robot {
     Robot::parse(text, Path::new("r.toml")).unwrap()

@@ -13,7 +13,7 @@ use thetahat_ground::{
 };
 use thetahat_testing::ROBOT_WITH_TERMS;
 
-const SIGN: Sign = Sign::Smooth { scale: 0.1 };
+const SIGN: Sign = Sign::smooth(0.1);
 
 struct Case {
     robot: Robot,

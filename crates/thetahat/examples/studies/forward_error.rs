@@ -76,7 +76,7 @@ impl Simulator {
         let of_settings = identified.settings.simulation.sign_velocity_scale;
         Self {
             parameters: DynamicParameters::sorted(&model, &identified.theta()),
-            sign: Sign::Smooth { scale: identified.model.as_ref().map_or(of_settings, |m| m.friction_transition) },
+            sign: Sign::smooth(identified.model.as_ref().map_or(of_settings, |m| m.friction_transition)),
             step_s: 1.0 / rate_hz,
             model,
         }

@@ -82,7 +82,7 @@ impl<'a> Simulated<'a> {
 
     /// The regularised sign of the simulated friction.
     pub(super) fn sign(&self) -> Sign {
-        Sign::Smooth { scale: self.experiment.settings.simulation.sign_velocity_scale }
+        Sign::smooth(self.experiment.settings.simulation.sign_velocity_scale)
     }
 
     /// The part of a step over which its rows are centred: that for which the recorded torques hold. A motion that is filtered

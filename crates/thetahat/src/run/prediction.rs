@@ -54,7 +54,7 @@ pub(crate) fn predict_torques(
     }
     let has_torque = recording.torque.is_some();
     let filtered = setup.filter(recording)?;
-    let sign = identified.model.map_or(Sign::Exact, |model| Sign::ByKind(model.transition()));
+    let sign = identified.model.map_or(Sign::Exact, |model| Sign::Smooth(model.transition()));
     let cutoff_hz = identified.model.map_or(setup.settings.signal.cutoff_hz, |m| widest_cutoff(setup, m, &filtered));
     let predictor = Predictor { setup, basis, columns, theta, sign };
     let torque = with_known(predictor.torques(&filtered, cutoff_hz)?, &filtered);

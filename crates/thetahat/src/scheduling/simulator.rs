@@ -345,7 +345,7 @@ impl Simulator<'_> {
 
 impl RecordedLoop<'_> {
     fn instruments(&self, setup: Setup<'_>, motion: &SimulatedMotion) -> Result<Matrix, SimulationError> {
-        let sign = Sign::Smooth { scale: self.closed_loop.sign_velocity_scale };
+        let sign = Sign::smooth(self.closed_loop.sign_velocity_scale);
         let unfiltered = |_| SimulationError::TooShortToFilter;
         if !setup.settings.simulation.band_pass {
             let assembly = self.assembly.clone().of_held_torques(self.held_part_of_step());

@@ -99,7 +99,7 @@ impl WatchedRobot {
             Some(model) => model.transition(),
             None => FrictionTransition::of_all(identified.settings.simulation.sign_velocity_scale),
         };
-        let sign = identified.model.as_ref().map_or(Sign::Exact, |_| Sign::ByKind(transition));
+        let sign = identified.model.as_ref().map_or(Sign::Exact, |_| Sign::Smooth(transition));
         let regressor = Regressor::new(&model, &columns);
         let kinds = model.coordinate_kinds();
         let settled: Vec<f64> = kinds.iter().map(|kind| SCALES * transition.of(*kind)).collect();

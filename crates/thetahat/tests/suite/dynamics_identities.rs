@@ -11,7 +11,7 @@ use thetahat::{
 };
 use thetahat_testing::assert_close;
 
-const SMOOTH: Sign = Sign::Smooth { scale: 0.3 };
+const SMOOTH: Sign = Sign::smooth(0.3);
 
 /// A chain of `joints` random joints with a random coupling matrix near the identity.
 fn random_chain(joints: usize, friction: &str, rng: &mut ChaCha8Rng) -> Robot {

@@ -42,7 +42,7 @@ pub fn recording(robot: &Robot, [spring, scale, deviation]: [f64; 3]) -> Recordi
     for k in 0..SAMPLES {
         let [q, dq, ddq] = motion(k);
         let mut tau = [0.0; 2];
-        let sign = Sign::Smooth { scale };
+        let sign = Sign::smooth(scale);
         model.inverse_dynamics(&parameters, State::new(&q, &dq), &ddq, sign, &mut workspace, &mut tau);
         position.extend(q);
         torque.extend([tau[0] + spring * q[0].powi(3) + deviation * noise(), tau[1] + deviation * noise()]);

@@ -44,7 +44,7 @@ impl Dynamics {
     fn torques(&self, [q, dq, ddq]: &[Vec<f64>; 3]) -> Vec<f64> {
         let mut tau = vec![0.0; q.len()];
         let mut workspace = Workspace::new(&self.model);
-        let sign = Sign::Smooth { scale: 0.3 };
+        let sign = Sign::smooth(0.3);
         self.model.inverse_dynamics(&self.parameters, State::new(q, dq), ddq, sign, &mut workspace, &mut tau);
         tau
     }

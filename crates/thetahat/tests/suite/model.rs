@@ -3,10 +3,10 @@
 use std::{path::Path, sync::OnceLock};
 
 use thetahat::{
-    Experiment, Identification, Method, Results, Series, Settings,
+    Experiment, Identification, Method, Results, Robot, Series, Settings,
     experiment::{EstimateRequest, IdentifiedRobot},
     export::{ExportFormat, IdentifiedModel},
-    preparation::Recording,
+    preparation::{ParameterSelection, Recording},
     results::{ModelResult, Verdict},
 };
 use thetahat_model::{dynamics::Model, robot::TermDescription};
@@ -168,6 +168,31 @@ fn torques_that_sensors_and_springs_falsify_are_named_with_their_size() {
     let falling = causes_of(|_, torque| torque[0] *= 1.0 + 0.1 * (torque[0] / largest).powi(2));
     let falling = size_of(&falling, CauseKind::FallingConstant, "joint 1");
     assert!(falling > 0.03 && falling < 0.2, "{falling}");
+}
+
+/// The motor of joint 3 turns with joint 2 too: its viscous friction, 0.4 N m s/rad, brakes what both turn.
+#[test]
+fn a_motor_that_turns_with_two_joints_is_named() {
+    let mut twin = experiment();
+    let text = include_str!("../../demo/tx40.toml").replace("[0, 0, 0, 0, 32, 32]", "[0, 0, 0, 0, 0, 32]");
+    twin.robot = Robot::parse(&text, Path::new("tx40.toml")).unwrap();
+    twin.settings.parameters = ParameterSelection::default();
+    let described = twin.file.twin.as_mut().unwrap();
+    described.parameters.retain(|name, _| name != "fcm6" && name != "fvm6");
+    described.sensors.torque_noise.iter_mut().for_each(|noise| *noise *= 0.1);
+    let clean = Recording { truth: None, ..twin.recordings(Path::new("")).unwrap().remove(0) };
+    let mut torque = clean.torque.clone().unwrap();
+    for k in 1..torque.len() - 1 {
+        let [before, after] = [k - 1, k + 1].map(|k| clean.position.sample(k));
+        let velocity = |j: usize| 0.5 * clean.sample_rate_hz * (after[j] - before[j]);
+        let both = 0.4 * (velocity(1) + velocity(2));
+        torque.sample_mut(k)[1..3].iter_mut().for_each(|tau| *tau += both);
+    }
+    let recordings = vec![Recording { torque: Some(torque), ..clean }];
+    let results = Identification::new(&twin.robot, recordings, twin.settings).unwrap().run().unwrap();
+    let causes = &model(&results).causes;
+    let named = CauseKind::Coupling.with_subject("joints 2 and 3");
+    assert!(causes.iter().any(|c| c.kind.with_subject(&c.subject) == named), "{causes:?}");
 }
 
 /// Torques of which those that are put in first would otherwise look like several other causes.
@@ -395,4 +420,24 @@ fn friction_that_the_description_lacks_is_a_term_of_the_model() {
     };
     let (with_term, without) = (error(None), error(Some(Method::IDIM_LS)));
     assert!(with_term < 0.7 * without, "{with_term} % with the term, {without} % without");
+}
+
+/// Friction that fades with the speed within the reversals: the model gets a term for it, and its own velocity of the transition.
+#[test]
+#[ignore = "long, each night"]
+fn friction_that_fades_next_to_rest_is_a_term_of_the_model() {
+    let clean = recording();
+    let mut torque = clean.torque.clone().unwrap();
+    for k in 1..torque.len() - 1 {
+        let [before, after] = [k - 1, k + 1].map(|k| clean.position.sample(k).to_vec());
+        for (j, tau) in torque.sample_mut(k).iter_mut().enumerate() {
+            let dq = 0.5 * clean.sample_rate_hz * (after[j] - before[j]);
+            *tau += 3.0 * (-(dq / 0.2).powi(2)).exp() * (dq / 0.01).tanh();
+        }
+    }
+    let results = identify(Recording { torque: Some(torque), truth: None, ..clean });
+    let model = model(&results);
+    let fades = |term: &TermDescription| matches!(term, TermDescription::ExponentialStribeck { .. });
+    assert!(model.terms.iter().any(fades), "{:?} {:?}", model.terms, model.causes);
+    assert_eq!(results.verdict, Some(Verdict::Care), "{:?}", results.verdict_reasons);
 }

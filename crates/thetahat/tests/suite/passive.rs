@@ -14,7 +14,7 @@ const RATE_HZ: f64 = 200.0;
 const SAMPLES: usize = 8000;
 /// Steps of the integration in a sample.
 const STEPS: usize = 10;
-const SIGN: Sign = Sign::Smooth { scale: 0.01 };
+const SIGN: Sign = Sign::smooth(0.01);
 const ARM: &str = r#"<robot name="acrobot">
 <link name="base"/>
 <link name="upper"><inertial><origin xyz="0 0 -0.25"/><mass value="1.2"/>

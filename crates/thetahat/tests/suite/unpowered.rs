@@ -53,7 +53,7 @@ fn recording(robot: &Robot, braked: Option<[f64; 2]>) -> Recording {
         let dq = each(&|j| (after[j] - before[j]) / (2.0 * STEP_S));
         let ddq = each(&|j| (after[j] - 2.0 * q[j] + before[j]) / STEP_S.powi(2));
         let mut tau = vec![0.0; joints];
-        let sign = Sign::Smooth { scale: 0.01 };
+        let sign = Sign::smooth(0.01);
         model.inverse_dynamics(&parameters, State::new(&q, &dq), &ddq, sign, &mut workspace, &mut tau);
         let is_held = braked.is_some_and(|[from, to]| (from..to).contains(&t));
         torques.extend(tau.iter().map(|tau| if is_held { 0.0 } else { *tau } + 0.05 * noise()));

@@ -59,7 +59,7 @@ fn log(seconds: f64, seed: u64, change: Change<'_>) -> String {
         let waves = [wave(t, 0), wave(t, 1)];
         let [q, dq, ddq] = [0, 1, 2].map(|i| [waves[0][i], waves[1][i]]);
         let mut tau = [0.0; 2];
-        let sign = Sign::Smooth { scale: TRANSITION };
+        let sign = Sign::smooth(TRANSITION);
         model.inverse_dynamics(&parameters, State::new(&q, &dq), &ddq, sign, &mut workspace, &mut tau);
         let added = change(t, q, dq, ddq);
         for j in 0..2 {

@@ -17,7 +17,7 @@ use thetahat_testing::{data, ensure, shared};
 
 /// Samples and velocity scale of the sign in the criterion of the files.
 const SAMPLES: usize = 400;
-const SIGN: Sign = Sign::Smooth { scale: 0.01 };
+const SIGN: Sign = Sign::smooth(0.01);
 
 /// Differences of the criterion are exact to rounding in both programs.
 const TOLERANCE: f64 = 1e-6;

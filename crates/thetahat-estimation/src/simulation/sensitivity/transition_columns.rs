@@ -41,7 +41,7 @@ impl TransitionColumns {
             let channels = motion.channels().map_or(&[][..], |channels| channels.sample(stage));
             let state = State::new(q.sample(stage), dq.sample(stage)).with_channels(channels);
             for (torques, step) in self.torques.iter_mut().zip([STEP, -STEP]) {
-                let sign = Sign::Smooth { scale: self.scale * step.exp() };
+                let sign = Sign::smooth(self.scale * step.exp());
                 let parameters = &plant.parameters;
                 plant.model.inverse_dynamics(parameters, state, ddq.sample(stage), sign, &mut self.workspace, torques);
             }

@@ -12,7 +12,7 @@ use crate::{
 use thetahat_ground::series::Series;
 
 const GRAVITY: f64 = 9.81;
-const SIGN: Sign = Sign::Smooth { scale: 0.1 };
+const SIGN: Sign = Sign::smooth(0.1);
 /// Nested differences of fourth order over 1e-2: errors of 1e-8 of torques near 10 N m.
 const DIFFERENCES: f64 = 1e-6;
 const STEP: f64 = 1e-2;

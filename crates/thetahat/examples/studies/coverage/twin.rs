@@ -164,7 +164,7 @@ impl Twin {
     }
 
     pub fn smooth_sign(&self) -> Sign {
-        Sign::Smooth { scale: self.experiment.settings.simulation.sign_velocity_scale }
+        Sign::smooth(self.experiment.settings.simulation.sign_velocity_scale)
     }
 
     /// The true motion in the window.

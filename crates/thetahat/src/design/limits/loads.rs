@@ -198,7 +198,7 @@ mod tests {
         let family = Sums::new(Basis::fourier(4.0, 3), vec![0.2, -0.1], true, &[[1.5, 4.0, 25.0]; 2]);
         let time: Vec<f64> = (0..90).map(|k| 4.0 * (f64::from(k) + 0.5) / 90.0).collect();
         let motions = Motions::Sums { sampled: family.sampled(&time), family };
-        let (sign, h) = (Sign::Smooth { scale: 0.3 }, 1e-6);
+        let (sign, h) = (Sign::smooth(0.3), 1e-6);
         let x: Vec<f64> = (0..14).map(|i| 0.6 * (1.9 * f64::from(i)).sin()).collect();
         let motion = motions.at(&x);
         let torques = loads.limited_torques(&motion, sign);

@@ -74,7 +74,7 @@ impl Design {
                 break;
             }
             tight.tighten(1.2 * over.max(0.0), 1.2 * missing.max(0.0), verified.excess_of_loop() > 0.0);
-            let Some(found) = tight.optimise(fitted(&tight, &x), Sign::Smooth { scale }, REPAIR_GAIN) else { break };
+            let Some(found) = tight.optimise(fitted(&tight, &x), Sign::smooth(scale), REPAIR_GAIN) else { break };
             x = found.x;
             verified = self.verify(model, &problem.watched, limits, &x)?;
         }

@@ -110,11 +110,11 @@ impl Searches {
     }
 
     fn wide(&self) -> Sign {
-        Sign::Smooth { scale: self.sign_scales[0] }
+        Sign::smooth(self.sign_scales[0])
     }
 
     fn tight(&self) -> Sign {
-        Sign::Smooth { scale: self.sign_scales[1] }
+        Sign::smooth(self.sign_scales[1])
     }
 
     /// Descents from random motions, and from the best motion found, perturbed by random numbers.

@@ -57,7 +57,7 @@ pub(super) fn lasting_percent(variant: &Variant<'_>, choice: &Choice, transition
     for prepared in identification.main.iter() {
         let lag = lag(prepared, setup.settings.signal.cutoff_hz);
         let Middle { tau, motion, is_used } = middle(prepared);
-        let left = residual_of(&tau, &motion, &problem.model, &choice.standard, Sign::ByKind(transition));
+        let left = residual_of(&tau, &motion, &problem.model, &choice.standard, Sign::Smooth(transition));
         let products = products((&left, &is_used), &motion.dq, &moving_from(prepared, (transition, &kinds)), lag);
         let samples = tau.len() as f64;
         lasting += samples * products.iter().map(|of_joint| of_joint.lasting(lag)).sum::<f64>();

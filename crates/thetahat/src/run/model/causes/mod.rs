@@ -81,7 +81,7 @@ pub(super) fn causes(
     (standard, deviations, transition): (&[f64], &[f64], FrictionTransition),
     friction: FrictionEvidence,
 ) -> FoundCauses {
-    let sign = Sign::ByKind(transition);
+    let sign = Sign::Smooth(transition);
     let tested = TestedRows::new(rows);
     let Some(torques) = Torques::new(identification, problem, &tested, standard, sign) else {
         return FoundCauses::default();

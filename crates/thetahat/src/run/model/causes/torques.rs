@@ -437,8 +437,7 @@ impl<'a> Torques<'a> {
 
     /// A motor that turns with two joints has its inertia and friction in both.
     fn coupling(&self, i: usize) -> Vec<Option<Vec<f64>>> {
-        let Sign::Smooth { scale } = self.sign else { return Vec::new() };
-        if !self.problem.model.coupled_motors().is_empty() {
+        if !self.problem.model.coupled_motors().is_empty() || self.kinds[i] != self.kinds[i + 1] {
             return Vec::new();
         }
         let crossed = |of: fn(&Motion) -> &Series| {
@@ -455,7 +454,7 @@ impl<'a> Torques<'a> {
         };
         let friction = self.each(|r, k, j| {
             let dq = r.motion.dq.sample(k);
-            if j == i || j == i + 1 { ((dq[i] + dq[i + 1]) / scale).tanh() } else { 0.0 }
+            if j == i || j == i + 1 { self.sign.of(dq[i] + dq[i + 1], self.kinds[i]) } else { 0.0 }
         });
         vec![crossed(|m| &m.ddq), crossed(|m| &m.dq), friction]
     }
