@@ -16,7 +16,7 @@ pub(super) enum Signal {
 const TIME: [&str; 9] = ["t", "time", "times", "timestamp", "stamp", "sec", "tout", "zeit", "zeitstempel"];
 /// Words that make the last of a path a time, whatever stands before: `q.time` of a signal of Simulink.
 const LAST_OF_TIME: [&str; 3] = ["time", "timestamp", "stamp"];
-const POSITION: [&str; 15] = [
+const POSITION: [&str; 17] = [
     "q",
     "qpos",
     "qm",
@@ -26,6 +26,8 @@ const POSITION: [&str; 15] = [
     "angle",
     "angles",
     "theta",
+    "th",
+    "phi",
     "enc",
     "encoder",
     "x",
@@ -35,19 +37,22 @@ const POSITION: [&str; 15] = [
 ];
 const VELOCITY: [&str; 10] =
     ["dq", "qd", "qdot", "qvel", "vel", "velocity", "velocities", "speed", "speeds", "geschwindigkeit"];
-const TORQUE: [&str; 18] = [
+const TORQUE: [&str; 21] = [
     "qfrc",
     "tau",
     "torque",
     "torques",
     "trq",
+    "tq",
     "effort",
+    "eff",
     "efforts",
     "moment",
     "force",
     "current",
     "currents",
     "curr",
+    "cur",
     "vir",
     "voltage",
     "u",
@@ -55,8 +60,10 @@ const TORQUE: [&str; 18] = [
     "momente",
     "strom",
 ];
+/// Words that name a joint.
+const BARE_JOINT: [&str; 3] = ["j", "joint", "axis"];
 /// Those of the words for torques that name the signal of a drive.
-const DRIVE_SIGNALS: [&str; 7] = ["current", "currents", "curr", "vir", "voltage", "u", "strom"];
+const DRIVE_SIGNALS: [&str; 8] = ["current", "currents", "curr", "cur", "vir", "voltage", "u", "strom"];
 const OTHER: [&str; 9] = ["ddq", "qdd", "qacc", "acc", "accel", "acceleration", "accelerations", "temp", "temperature"];
 /// Words that mark a signal as desired, not measured.
 const DESIRED_WORDS: [&str; 17] = [
@@ -107,9 +114,14 @@ pub(super) fn read(name: &str) -> Option<Reading> {
     Some(Reading { signal, number: number_in(&words) })
 }
 
-/// The same of a column among others: `q_d` is the desired value where there is a `q`, and not the position of a joint `d`.
-pub(super) fn read_among<'n>(name: &str, mut others: impl Iterator<Item = &'n str>) -> Option<Reading> {
+/// The same of a column among others: `q_d` is the desired value where there is a `q`, and not the position of a joint `d`; `J1` is a
+/// position where others are torques and none is a position.
+pub(super) fn read_among<'n>(name: &str, mut others: impl Iterator<Item = &'n str> + Clone) -> Option<Reading> {
     let words = words(name);
+    let has = |signal| others.clone().any(|other| read(other).is_some_and(|r| r.signal == signal));
+    if is_bare_joint(&words) && has(Signal::Torque) && !has(Signal::Position) {
+        return Some(Reading { signal: Signal::Position, number: number_in(&words) });
+    }
     let is_measured = |other: &str| {
         let words = self::words(other);
         !has_word(&words, &LEADING_WORDS) && read(other).is_some_and(|r| r.signal == Signal::Position)
@@ -120,6 +132,11 @@ pub(super) fn read_among<'n>(name: &str, mut others: impl Iterator<Item = &'n st
     };
     let signal = signal(&words, is_desired || has_word(&words, &DESIRED_WORDS))?;
     Some(Reading { signal, number: number_in(&words) })
+}
+
+/// Whether a name is that of a joint alone: `J1`, `joint_1`.
+fn is_bare_joint(words: &[String]) -> bool {
+    matches!(words, [word, number] if BARE_JOINT.contains(&word.as_str()) && number.parse::<usize>().is_ok())
 }
 
 /// What the name of a file says that its columns hold: desired values of an unnamed signal are positions.
@@ -311,6 +328,9 @@ mod tests {
         assert_eq!(among("d.position", &["position"]), Some(Signal::Position));
         assert_eq!(among("leader_q2", &["leader_q2", "follower_q2"]), Some(Signal::Reference));
         assert_eq!(among("leader_q2", &["leader_q1", "leader_q2"]), Some(Signal::Position));
+        assert_eq!(among("J2 [deg]", &["J1 [deg]", "J2 [deg]", "tau1"]), Some(Signal::Position));
+        assert_eq!(among("joint_2", &["joint_2", "q_2", "tau_2"]), None);
+        assert_eq!(among("joint_2", &["joint_1", "joint_2"]), None);
     }
 
     #[test]

@@ -63,7 +63,7 @@ pub(super) struct Source<'a> {
 
 impl<'a> Source<'a> {
     /// The columns of numbers of the chosen table.
-    pub(super) fn columns(&self) -> impl Iterator<Item = &'a ColumnSummary> + use<'a> {
+    pub(super) fn columns(&self) -> impl Iterator<Item = &'a ColumnSummary> + Clone + use<'a> {
         self.table.into_iter().flat_map(|t| &t.columns).filter(|c| c.not_numeric.is_none())
     }
 
