@@ -8,7 +8,7 @@ use super::{
     estimated_loop::LoopIdentification,
     estimation_data::EstimationData,
     examination::{ExaminationModel, compare, examine, examine_robot, with_note, with_positions_explained},
-    explained_by_model::{keep_causes_of_these_data, with_model_explained},
+    explained_by_model::{keep_causes_of_these_data, with_model_explained, without_drifts_that_do_not_show},
     identification::{CaseProblem, Identification},
     parameters::{elimination_result, not_separated},
     prepared::{PreparedRecording, filtered},
@@ -114,6 +114,7 @@ impl Identification {
         match self.model(&problems[0].problem, &results.runs)? {
             Ok(mut model) => {
                 with_model_explained(&mut results.findings, &model);
+                without_drifts_that_do_not_show(&mut results.findings, &model);
                 keep_causes_of_these_data(&mut model, &results.findings);
                 results.model = Some(model);
             }
