@@ -265,7 +265,7 @@ pub const FINDINGS: [[&str; 4]; 45] = [
     [
         "friction-drift",
         "warning",
-        "change of a joint's friction over the recording ({checks/time/drift FRICTION_LIMIT_PERCENT} %, and {checks/time/drift SIGNIFICANT_FRICTION} standard deviations), in a joint that moves in a quarter of it",
+        "change of a joint's friction over the recording ({checks/time/drift FRICTION_LIMIT_PERCENT} %, and {checks/time/drift SIGNIFICANT_FRICTION} standard deviations), in a joint that moves in a quarter of it; a note where the model errs by at most {run/explained_by_model SHOWS_DRIFTS_PERCENT} % and shows none",
         "warm the joint up, or start the window later",
     ],
     [
