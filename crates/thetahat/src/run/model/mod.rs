@@ -167,7 +167,10 @@ fn add_causes_in_model(model: &mut ModelResult, described: Vec<ModelCause>) {
     if model.terms.is_empty() {
         return;
     }
-    let in_model = described.into_iter().map(as_friction).filter(has_term);
+    // Named once: friction over speed looks early too.
+    let is_named = described.iter().any(|cause| cause.kind == CauseKind::SpeedFriction);
+    let once = described.into_iter().filter(|cause| !(is_named && cause.looks_early()));
+    let in_model = once.map(as_friction).filter(has_term);
     let in_model: Vec<ModelCause> =
         in_model.map(|cause| ModelCause { in_model: true, moved: Vec::new(), ..cause }).collect();
     model.causes.extend(in_model);
