@@ -87,17 +87,12 @@ impl OrthogonalFit {
         project_out(&self.basis, &self.regression.whiten(rows))
     }
 
-    /// The standard deviation of what the fit of full rank predicts of each unweighted row that is chosen, zero of the others: independent
-    /// errors, of all coordinates alike in weighted rows.
-    pub(in crate::checks) fn prediction_deviations(&self, rows: &Matrix, is_chosen: &[bool]) -> Vec<f64> {
-        let used = self.residual.iter().filter(|e| **e != 0.0).count();
-        let freedom = used.saturating_sub(self.rank).max(1) as f64;
-        let (spread, covariance) = (self.squares / freedom, self.qr.inverse_gram());
-        let deviation = |i: usize| {
-            let row: Vec<f64> = (0..rows.columns()).map(|c| rows.at(i, c)).collect();
-            (spread * dot(&row, &covariance.times(&row))).max(0.0).sqrt()
-        };
-        (0..rows.rows()).map(|i| if is_chosen[i] { deviation(i) } else { 0.0 }).collect()
+    /// The covariance of the parameters of a fit of full rank without some rows: independent errors, alike in weighted rows.
+    pub(in crate::checks) fn covariance(&self, left_out: &[bool]) -> Matrix {
+        let used = left_out.iter().filter(|left_out| !**left_out).count();
+        let spread = self.squares / used.saturating_sub(self.rank).max(1) as f64;
+        let (gram, size) = (self.qr.inverse_gram(), self.rank);
+        Matrix::from_fn(size, size, |a, b| spread * gram.at(a, b))
     }
 
     /// The parameters; those that depend on others are zero.

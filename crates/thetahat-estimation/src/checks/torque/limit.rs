@@ -3,7 +3,7 @@
 //! A clipped torque stays near its extreme value while the motion, by the fit to the other times, asks for more. Torques of constant
 //! acceleration, and those of a drive whose limit the motion follows, stay there as well, and are what that fit predicts.
 
-use thetahat_ground::number::significant;
+use thetahat_ground::{linear_algebra::dot, number::significant};
 
 use crate::{
     checks::{
@@ -110,10 +110,11 @@ impl Limited {
     }
 }
 
-/// What the fit to the other times asks for, with its standard deviations: in a short recording it says little beyond them.
+/// What the fit to the other times asks for, with its standard deviation: in a short recording it says little beyond them.
 struct Asked<'a> {
     torque: &'a [f64],
-    deviations: &'a [f64],
+    /// Of a row.
+    deviation: &'a dyn Fn(usize) -> f64,
 }
 
 /// An extreme of a joint's torque, on the positive or the negative side.
@@ -137,13 +138,17 @@ fn limited(recording: &ThinnedRecording<'_>) -> Option<Vec<Limited>> {
         return None;
     }
     let (all, asked) = (recording.fit().ok()?, regression.x.times(&fit.theta()));
-    let deviations = fit.prediction_deviations(&regression.x, &is_near);
+    let covariance = fit.covariance(&is_near);
+    let deviation = |row: usize| {
+        let x: Vec<f64> = (0..regression.x.columns()).map(|c| regression.x.at(row, c)).collect();
+        dot(&x, &covariance.times(&x)).max(0.0).sqrt()
+    };
     let margin = (MARGIN_S * recording.rows_per_second()).ceil() as usize;
     let mut found: Vec<Limited> = Vec::new();
     for side in &sides {
         let own = side.joint * rows..(side.joint + 1) * rows;
-        let asked = Asked { torque: &asked[own.clone()], deviations: &deviations[own.clone()] };
-        let limited = side.limited(torque(side.joint), &asked, &is_near[own], margin);
+        let asked = Asked { torque: &asked[own.clone()], deviation: &|row| deviation(own.start + row) };
+        let limited = side.limited(torque(side.joint), &asked, &is_near[own.clone()], margin);
         let is_explained = |limited: &Limited| rms(&all.errors(limited.joint)) < GAIN * limited.usual_error;
         let Some(limited) = limited.filter(|limited| !is_explained(limited)) else { continue };
         match found.last_mut().filter(|last| last.joint == limited.joint) {
@@ -182,9 +187,11 @@ impl Side {
             return None;
         }
         let asked = |i: usize| self.sign * by_fit.torque[i] / self.extreme;
-        let surely = |i: usize| asked(i) - USUAL_ERRORS * by_fit.deviations[i] / self.extreme;
+        let is_more = |i: usize, than: f64| {
+            asked(i) > than && asked(i) - USUAL_ERRORS * (by_fit.deviation)(i) / self.extreme > than
+        };
         let is_at_limit = |i: usize| (self.sign * torque[i] / self.extreme - 1.0).abs() < CLEAR;
-        let more: Vec<usize> = (0..torque.len()).filter(|&i| surely(i) > 1.0 + clear).collect();
+        let more: Vec<usize> = (0..torque.len()).filter(|&i| is_more(i, 1.0 + clear)).collect();
         let count = more.iter().filter(|i| is_at_limit(**i)).count();
         if count < FEWEST_ROWS || (count as f64) < AT_LIMIT * more.len() as f64 {
             return None;
@@ -219,9 +226,9 @@ mod tests {
     const ROWS: usize = 600;
     const SIDE: Side = Side { joint: 0, sign: 1.0, extreme: 1.0 };
 
-    fn is_limited(torque: &[f64], asked: &[f64], deviations: &[f64]) -> bool {
+    fn is_limited(torque: &[f64], asked: &[f64], deviation: f64) -> bool {
         let is_near: Vec<bool> = torque.iter().map(|t| SIDE.is_near(*t)).collect();
-        SIDE.limited(torque, &Asked { torque: asked, deviations }, &is_near, 2).is_some()
+        SIDE.limited(torque, &Asked { torque: asked, deviation: &|_| deviation }, &is_near, 2).is_some()
     }
 
     /// A torque of 1.2 that a drive limits to 1, with noise after it.
@@ -230,8 +237,8 @@ mod tests {
         let mut noise = noise();
         let asked: Vec<f64> = (0..ROWS).map(|i| 1.2 * (0.05 * i as f64).sin()).collect();
         let torque: Vec<f64> = asked.iter().map(|asked| asked.min(1.0) + 0.005 * noise()).collect();
-        assert!(is_limited(&torque, &asked, &[0.01; ROWS]));
-        assert!(!is_limited(&torque, &asked, &[0.06; ROWS]), "what it asks for is no more than its errors");
+        assert!(is_limited(&torque, &asked, 0.01));
+        assert!(!is_limited(&torque, &asked, 0.06), "what it asks for is no more than its errors");
     }
 
     /// Gravity over strokes of constant velocity, to which friction adds: a fit that has not seen the strokes of that direction asks for
@@ -243,6 +250,6 @@ mod tests {
         let torque = |i: usize| if forward(i) { 0.97 + 0.03 * (0.02 * i as f64).sin() } else { -0.5 };
         let asked: Vec<f64> = (0..ROWS).map(|i| torque(i) + if forward(i) { 0.08 } else { 0.0 }).collect();
         let torque: Vec<f64> = (0..ROWS).map(|i| torque(i) + 0.005 * noise()).collect();
-        assert!(!is_limited(&torque, &asked, &[0.0; ROWS]));
+        assert!(!is_limited(&torque, &asked, 0.0));
     }
 }
