@@ -51,15 +51,20 @@ fn one_screen_begins_and_ends_with_the_verdict() {
     for absent in ["Convergence, every iteration", "Levene", "written:"] {
         assert!(!text.contains(absent), "{absent}: {text}");
     }
-    let full = printed(&folder, "demo --full", 0);
+}
+
+#[test]
+fn the_whole_report_ends_with_the_same_card() {
+    let folder = two_joint_arm();
+    let full = printed(&folder, "identify twin.toml --full", 0);
     assert!(full.contains("Convergence, every iteration") && full.contains("Levene"), "{full}");
-    assert_eq!(self::card(&full), card);
+    assert_eq!(card(&full), printed(&folder, "identify twin.toml --quiet", 0));
 }
 
 #[test]
 fn json_is_the_file_and_nothing_else() {
-    let folder = Folder::new();
-    let text = printed(&folder, "demo --json --out out", 0);
+    let folder = two_joint_arm();
+    let text = printed(&folder, "identify twin.toml --json --out out", 0);
     let printed: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(printed["verdict"], "good");
     assert_eq!(text, String::from_utf8(folder.bytes("out/results.json")).unwrap());

@@ -51,8 +51,7 @@ fn tx40() -> Result<(), Failed> {
 
 fn main() {
     let files = ["datasets/kuka_lwr4", "datasets/ur10", "datasets/tx40"];
-    let mut trials = trials_on_shared_data(&files, vec![("tx40", tx40)]);
-    trials.extend(each_night(trials_on_shared_data(&files, vec![("lwr4", lwr4), ("ur10", ur10)])));
+    let mut trials = each_night(trials_on_shared_data(&files, vec![("tx40", tx40), ("lwr4", lwr4), ("ur10", ur10)]));
     trials.extend(field::trials());
     libtest_mimic::run(&Arguments::from_args(), trials).exit()
 }

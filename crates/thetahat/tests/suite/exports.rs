@@ -445,6 +445,7 @@ fn the_sidecar_has_the_covariance_of_base_and_standard_parameters() {
 
 /// An estimate that no robot has is moved within its intervals, or refused.
 #[test]
+#[ignore = "long, each night"]
 fn estimates_that_no_robot_has_are_moved_within_their_intervals_or_refused() {
     let mut experiment = Experiment::demo().unwrap();
     experiment.settings.cases.clear();

@@ -201,15 +201,29 @@ fn assert_near_truth(results: &Results, robot: &Robot, precise: &[&str]) {
     assert_eq!(precise.iter().filter(found).count(), precise.len(), "{:?}", run.parameters);
 }
 
-#[test]
-fn mass_and_first_moments_follow_from_the_equations_of_the_base_of_the_joints_and_of_both() {
+/// The robot, and a folder with it and its log.
+fn recorded() -> (Folder, Robot) {
     let (folder, robot) = (Folder::new(), Robot::parse(ROBOT, Path::new("body.toml")).unwrap());
     folder.write("body.toml", ROBOT);
     folder.write("log.csv", log(&robot));
+    (folder, robot)
+}
+
+#[test]
+fn mass_and_first_moments_follow_from_the_equations_of_the_base_and_of_both() {
+    let (folder, robot) = recorded();
+    for torque in [true, false] {
+        let results = run(&folder, &experiment(torque, &measured(), "")).unwrap();
+        assert_near_truth(&results, &robot, &["m6r", "mx6r", "mz6r"]);
+    }
+}
+
+#[test]
+#[ignore = "long, each night"]
+fn what_is_not_measured_of_the_base_and_its_contacts_is_done_without() {
+    let (folder, robot) = recorded();
     let identified = |torque: bool, base: &str| run(&folder, &experiment(torque, base, "")).unwrap();
     let all = ["m6r", "mx6r", "mz6r"];
-    assert_near_truth(&identified(true, &measured()), &robot, &all);
-    assert_near_truth(&identified(false, &measured()), &robot, &all);
     // An accelerometer in the place of positions.
     let specific = format!("specific_force = {}\n", columns(&["sx", "sy", "sz"], "'m/s^2'"));
     assert_near_truth(&identified(false, &measured().replace(&position(), &specific)), &robot, &all);

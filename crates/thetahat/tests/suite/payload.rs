@@ -255,6 +255,7 @@ fn gains_of_the_ur10() {
 
 /// With the right gains, a known payload leaves no trace in the estimates of the robot.
 #[test]
+#[ignore = "long, each night"]
 fn a_known_payload_moves_to_the_left_side() {
     let twin = Twin::new("robots/seven_axes.urdf");
     let ones = vec![1.0; 7];

@@ -160,6 +160,7 @@ fn late_commands_and_the_sign_of_friction_are_found_by_positions_alone() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn a_law_is_recommended_by_positions_alone() {
     let term = "[[term]]\nkind = \"load-friction\"\njoints = [\"shoulder\"]\n";
     let with_load = robot(term, &format!("fl1 = 0.3\n{BODIES}"));

@@ -115,6 +115,7 @@ fn the_model_of_factors_with_a_stated_transition_is_that_of_all_samples() {
 
 /// Factors of many small pieces are those of few, and those that a file holds.
 #[test]
+#[ignore = "long, each night"]
 fn pieces_and_the_file_change_nothing() {
     let reduction = reduced(997);
     assert_same(model(&reduction.solve().unwrap().results), model(solved()));
@@ -136,6 +137,7 @@ fn what_only_samples_show_is_listed() {
 
 /// Intervals are from stretches of time: those of decided values hold the truth as often as they say.
 #[test]
+#[ignore = "long, each night"]
 fn intervals_hold_the_truth() {
     let decided = || model(solved()).parameters.iter().filter(|p| p.is_decided());
     let holds = |interval: [f64; 2], truth: f64| interval[0] <= truth && truth <= interval[1];

@@ -181,6 +181,7 @@ unit = "N m"
 "#;
 
 #[test]
+#[ignore = "long, each night"]
 fn every_kind_of_term_is_found_by_iv() {
     let values = "k_balancer = 40.0\nf_cylinder = 30.0\nhs1_2 = 0.4\nhc1_2 = -0.3\nfvq1 = 0.5\nfl1 = 0.06\nfl2 = 0.08\n\
                   coupled = 1.5\n";
@@ -264,6 +265,7 @@ fn compared(robot: &Robot, recording: Recording) -> Results {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn a_law_that_fits_is_recommended_and_no_other() {
     let recording = record(&robot(SPRING_AND_STRIBECK, "k2 = 6.0\nfs1 = 1.2\nfs2 = 0.8\n"), 40.0, None);
     let recording = Recording { truth: None, ..recording };

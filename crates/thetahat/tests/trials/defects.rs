@@ -184,7 +184,9 @@ pub fn all_trials() -> Vec<Trial> {
     }
     trials.push(Trial::test("clean pair: a motion that is repeated", repeated_motion));
     trials.push(Trial::test("of three recordings, the one that differs", the_one_that_differs_is_named));
-    trials.push(Trial::test("advice: another robot", nothing_is_taken_of_another_robot));
-    trials.extend(each_night(vec![Trial::test("advice: a joint of noise", a_joint_of_noise_is_named)]));
+    trials.extend(each_night(vec![
+        Trial::test("advice: another robot", nothing_is_taken_of_another_robot),
+        Trial::test("advice: a joint of noise", a_joint_of_noise_is_named),
+    ]));
     trials
 }

@@ -282,7 +282,6 @@ pub fn all_trials() -> Vec<Trial> {
         vec![
             ("criterion_of_the_tx40", || Reference::tx40()?.differences()),
             ("criterion_of_the_lwr4", || Reference::kuka()?.differences()),
-            ("best_of_the_lwr4", || Reference::kuka()?.best_of_six()),
         ],
     );
     quick.into_iter().chain(slow_trials()).collect()
@@ -292,6 +291,7 @@ fn slow_trials() -> Vec<Trial> {
     thetahat_testing::slow_trials(
         &DATA,
         vec![
+            ("best_of_the_lwr4", || Reference::kuka()?.best_of_six()),
             ("best_of_the_tx40", || Reference::tx40()?.best_of_six()),
             ("five_harmonics_of_the_tx40_as_the_record", || {
                 let tx40 = Reference::tx40()?;

@@ -4,7 +4,7 @@ use std::fs;
 
 use libtest_mimic::{Failed, Trial};
 use thetahat::{Experiment, Method, results::RunResult};
-use thetahat_testing::{data, ensure, project, trials_on_shared_data};
+use thetahat_testing::{data, each_night, ensure, project, trials_on_shared_data};
 use toml::{Table, Value};
 
 /// Difference of an estimate from that of the file, of its interval: digits are rounded, and processors differ.
@@ -39,5 +39,5 @@ fn go2_is_identified_again() -> Result<(), Failed> {
 }
 
 pub fn all_trials() -> Vec<Trial> {
-    trials_on_shared_data(&["datasets/go2"], vec![("go2_is_identified_again", go2_is_identified_again)])
+    each_night(trials_on_shared_data(&["datasets/go2"], vec![("go2_is_identified_again", go2_is_identified_again)]))
 }

@@ -4,8 +4,8 @@
 use super::{
     alike, friction,
     hypotheses::{Hypothesis, hypotheses},
-    order,
-    screening::Screening,
+    mixed_units, order,
+    screening::{SPANS_M, SPANS_RAD, Screening},
 };
 use crate::checks::{
     examination::{Evidence, Examination, FindingText},
@@ -14,10 +14,6 @@ use crate::checks::{
 };
 use thetahat_model::robot::JointKind;
 
-/// Plausible spans of a joint's motion, rad: corrections that lead to others are not considered.
-const SPANS_RAD: std::ops::RangeInclusive<f64> = 0.1..=25.0;
-/// The same for prismatic joints, m.
-const SPANS_M: std::ops::RangeInclusive<f64> = 1e-3..=20.0;
 /// Factor by which a later hypothesis of the list must be better than an earlier one of another kind.
 const BETTER: f64 = 0.9;
 /// The same of an exchange that the errors of all torques hardly show.
@@ -57,6 +53,7 @@ pub(in crate::checks) fn largest_gain(recording: &ThinnedRecording<'_>, all: &[H
 /// The hypotheses that are cheap enough to try.
 pub(in crate::checks) fn affordable(recording: &ThinnedRecording<'_>) -> Vec<Hypothesis> {
     let mut all = hypotheses(recording.subject.robot);
+    all.extend(mixed_units::mixed_units(recording));
     if all.len() as f64 * Screening::work(recording) > MOST_WORK {
         all.retain(|hypothesis| hypothesis.coordinate.is_none());
     }

@@ -76,6 +76,23 @@ impl Scope {
     }
 }
 
+/// The unit that the positions of some joints are in, where those of the others are in the stated one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum UnitOfSome {
+    Radians,
+    Degrees,
+}
+
+impl UnitOfSome {
+    /// What the stated positions are to be multiplied by.
+    pub(super) fn factor(self) -> f64 {
+        match self {
+            Self::Radians => 1.0_f64.to_degrees(),
+            Self::Degrees => 1.0_f64.to_radians(),
+        }
+    }
+}
+
 impl Hypothesis {
     fn new(code: Code, scope: Scope, correction: Affine, text: String, remedy: impl Into<String>) -> Self {
         let limit = match scope {
@@ -108,6 +125,24 @@ impl Hypothesis {
         let first = (0..order.len()).find(|&j| order[j] != j).unwrap_or(0);
         let correction = Affine::ordered(order, signal);
         Self::new(Code::JointsSwapped, Scope::One(first), correction, text, remedy).with_limit(ORDER_LIMIT)
+    }
+
+    /// The positions of some joints are in another unit than those of the others.
+    pub(super) fn of_mixed_units(robot: &Robot, coordinates: &[usize], unit: UnitOfSome) -> Self {
+        let mut sorted = coordinates.to_vec();
+        sorted.sort_unstable();
+        let numbers: Vec<String> = sorted.iter().map(|&j| (robot.joint_of(j) + 1).to_string()).collect();
+        let joints = numbers.join(", ");
+        let text = match unit {
+            UnitOfSome::Radians => {
+                format!("the positions of joints {joints} are in rad already: they were converted from degrees twice")
+            }
+            UnitOfSome::Degrees => format!("the positions of joints {joints} are in degrees, not in rad"),
+        };
+        let factor = |j| if sorted.contains(&j) { unit.factor() } else { 1.0 };
+        let factors: Vec<f64> = (0..robot.coordinate_count()).map(factor).collect();
+        let correction = Affine::scaled_positions(&factors, &vec![0.0; factors.len()]);
+        Self::new(Code::PositionScale, Scope::One(sorted[0]), correction, text, UNIT)
     }
 
     fn with_limit(self, limit: f64) -> Self {

@@ -12,6 +12,7 @@ mod gravity_fit;
 pub(in crate::checks) mod hypotheses;
 pub(in crate::checks) mod levels;
 pub(in crate::checks) mod limit;
+mod mixed_units;
 mod order;
 pub(in crate::checks) mod passive;
 mod screening;

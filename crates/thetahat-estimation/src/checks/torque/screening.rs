@@ -11,10 +11,16 @@ use crate::{
     },
     signal::Motion,
 };
+use std::ops::RangeInclusive;
 use thetahat_ground::series::Series;
 
 /// Rows of all joints per parameter.
 const ROWS_PER_PARAMETER: usize = 8;
+
+/// Plausible spans of a joint's motion, rad: corrections that lead to others are not considered.
+pub(super) const SPANS_RAD: RangeInclusive<f64> = 0.1..=25.0;
+/// The same for prismatic joints, m.
+pub(super) const SPANS_M: RangeInclusive<f64> = 1e-3..=20.0;
 
 /// A few rows of the recording, unfiltered.
 pub(super) struct Screening {

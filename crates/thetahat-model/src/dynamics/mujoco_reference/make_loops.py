@@ -4,7 +4,7 @@
     python make_loops.py > loops.toml
 
 The joints without motors are solved from the others with MuJoCo's Jacobians of points (`mj_jac`, `mj_jacDot`); mass matrix
-(`mj_fullM`), bias forces and inverse dynamics (`mj_rne`, with armature and damping) of the tree are projected on the others.
+(`mj_mulM`), bias forces and inverse dynamics (`mj_rne`, with armature and damping) of the tree are projected on the others.
 """
 
 import pathlib
@@ -95,12 +95,19 @@ def closed(model, data, driven, q):
     return all_q
 
 
+def full_mass_matrix(model, data):
+    """By products, since the arguments of `mj_fullM` differ between versions."""
+    mass = numpy.zeros((model.nv, model.nv))
+    for row, unit in zip(mass, numpy.eye(model.nv)):
+        mujoco.mj_mulM(model, data, row, unit)
+    return mass
+
+
 def dynamics(model, data, driven, all_q, dq):
     """Mass matrix and bias forces of the driven joints, and G."""
     g, drift = near(model, data, all_q, driven, dq)
     mujoco.mj_makeM(model, data)
-    mass, force = numpy.zeros((model.nv, model.nv)), numpy.zeros(model.nv)
-    mujoco.mj_fullM(model, mass, data.qM)
+    mass, force = full_mass_matrix(model, data), numpy.zeros(model.nv)
     mujoco.mj_rne(model, data, 0, force)
     return g.T @ mass @ g, g.T @ (force + mass @ drift), g
 

@@ -69,4 +69,6 @@ mod driver_tests;
 #[cfg(test)]
 mod length_tests;
 #[cfg(test)]
+mod mixed_unit_tests;
+#[cfg(test)]
 mod tests;

@@ -12,6 +12,8 @@ use thetahat_model::robot::{Joint, JointKind};
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct NamedUnits {
     pub(super) units: Vec<Unit>,
+    /// Whether the name of a channel says its unit.
+    pub(super) is_said: Vec<bool>,
     pub(super) why: &'static str,
     /// The word for the counts of a device, where values are such.
     pub(super) counts: Option<String>,
@@ -58,7 +60,7 @@ pub(super) fn named_units(
         (Some(_), Signal::Position) => kinds.iter().map(|kind| matching(Unit::Radian, *kind)).collect(),
         (Some(_) | None, _) => units.collect(),
     };
-    Ok(Some(NamedUnits { units, why, counts }))
+    Ok(Some(NamedUnits { units, is_said: said.iter().map(Option::is_some).collect(), why, counts }))
 }
 
 /// Checks that the units measure what the joints do.

@@ -75,6 +75,15 @@ fn is_in_mm(channel: &ChannelSummary, joint: &Joint) -> bool {
     travel > RANGES * allowed && Unit::Millimetre.to_si() * travel < RANGES * allowed
 }
 
+/// Whether a joint turns by so little in degrees that its values may be in rad: it moves, and by less than two pi.
+fn may_be_in_rad(channel: &ChannelSummary, joint: &Joint) -> bool {
+    let Some((least, most)) = channel.min.zip(channel.max) else { return false };
+    let largest = least.abs().max(most.abs());
+    joint.kind == JointKind::Revolute
+        && (HARDLY..LARGEST_ANGLE / 2.0).contains(&(most - least))
+        && largest < LARGEST_ANGLE
+}
+
 /// The evidence for the units of a file's signals.
 pub(super) struct Units<'u, 'a> {
     pub(super) request: &'u ProposalRequest,
@@ -94,9 +103,11 @@ impl Units<'_, '_> {
             (Some(unit), named) => Ok(self.on_a_side(self.stated("position", unit, named)?, columns, "as stated")),
             (None, Err(misfit)) => Err(self.refused("position", misfit)),
             (None, Ok(None)) => Ok(self.with_lengths_in_mm(self.guessed_position(columns), columns)),
-            (None, Ok(Some(NamedUnits { units, why, counts }))) => {
+            (None, Ok(Some(NamedUnits { units, is_said, why, counts }))) => {
                 let measured = self.on_a_side(units, columns, why);
-                self.require_joints(&measured, columns).map_err(|misfit| self.refused("position", misfit))?;
+                self.require_joints(&measured, columns)
+                    .and_then(|()| self.require_range(&measured, &is_said, columns))
+                    .map_err(|misfit| self.refused("position", misfit))?;
                 Ok(Measured { gain: counts.map(|word| gain_of_position(&word)), ..measured })
             }
         }
@@ -122,7 +133,7 @@ impl Units<'_, '_> {
         let (units, why, counts) = match (&self.request.torque_unit, named) {
             (Some(unit), named) => (self.stated("torque", unit, named)?, "as stated".to_owned(), None),
             (None, Err(misfit)) => return Err(self.refused("torque", misfit)),
-            (None, Ok(Some(NamedUnits { units, why, counts }))) => (units, why.to_owned(), counts),
+            (None, Ok(Some(NamedUnits { units, why, counts, is_said: _ }))) => (units, why.to_owned(), counts),
             (None, Ok(None)) if is_drive => {
                 let why = "a guess: the robot has a drive_gain, and the name says no torque";
                 (columns.iter().flat_map(|c| c.channels).map(|_| Unit::Volt).collect(), why.to_owned(), None)
@@ -236,7 +247,8 @@ impl Units<'_, '_> {
             let why = "a guess: too large for rad and for deg of joints with limits";
             Measured { gain: Some(gain_of_position("counts, or turns of motors")), ..joint(Unit::Radian, why) }
         } else if largest > LARGEST_ANGLE && !self.is_of_turns(columns) {
-            joint(Unit::Degree, "a guess: too large for rad on the joint side")
+            let why = "a guess: too large for rad on the joint side";
+            joint(Unit::Degree, &(why.to_owned() + &self.perhaps_in_rad(columns)))
         } else {
             let hint = hint_of_file(&self.source, Signal::Position, columns).filter(|unit| *unit != Unit::Radian);
             let why = hint.map_or_else(
@@ -245,6 +257,50 @@ impl Units<'_, '_> {
             );
             joint(Unit::Radian, &why)
         }
+    }
+
+    /// What to write where some joints' angles are in rad, though those of others cannot be; nothing where all turn far in degrees.
+    fn perhaps_in_rad(&self, columns: &[SelectedColumn<'_>]) -> String {
+        let channels = columns.iter().flat_map(|c| c.channels).zip(&self.joints);
+        let is_in_rad: Vec<bool> = channels.map(|(channel, joint)| may_be_in_rad(channel, joint)).collect();
+        let named = self.joints.iter().zip(&is_in_rad).filter(|(_, is_in_rad)| **is_in_rad);
+        let names: Vec<&str> = named.map(|(joint, _)| joint.name.as_str()).collect();
+        if names.is_empty() {
+            return String::new();
+        }
+        let unit = |(kind, is_in_rad): (JointKind, &bool)| {
+            format!("\"{}\"", matching(if *is_in_rad { Unit::Radian } else { Unit::Degree }, kind).symbol())
+        };
+        let units: Vec<String> = self.kinds().into_iter().zip(&is_in_rad).map(unit).collect();
+        let turns = if names.len() == 1 { "turns" } else { "turn" };
+        format!("; {} hardly {turns} in deg: in rad, write unit = [{}]", names.join(", "), units.join(", "))
+    }
+
+    /// Checks that angles without a unit cannot be in another one than those of which the names say it.
+    fn require_range(
+        &self,
+        measured: &Measured,
+        is_said: &[bool],
+        columns: &[SelectedColumn<'_>],
+    ) -> Result<(), Misfit> {
+        if measured.side == Side::Motor {
+            return Ok(());
+        }
+        let channels = columns.iter().flat_map(|c| c.channels.iter().map(move |channel| (&c.name, channel)));
+        let filled =
+            channels.zip(&self.joints).zip(measured.units.iter().zip(is_said)).filter(|(_, (_, said))| !**said);
+        for (((name, channel), joint), (unit, _)) in filled {
+            let Some((least, most)) = channel.min.zip(channel.max) else { continue };
+            let is_too_large = *unit == Unit::Radian && least.abs().max(most.abs()) > LARGEST_ANGLE;
+            let is_unclear = is_too_large || (*unit == Unit::Degree && may_be_in_rad(channel, joint));
+            if is_unclear {
+                let problem = format!(
+                    "without a unit, and its values, {least:.3} to {most:.3}, may be in another one than {unit}, that of the others"
+                );
+                return Err(Misfit { column: name.clone(), problem, is_of_a_joint: false });
+            }
+        }
+        Ok(())
     }
 
     /// Joints that slide are in mm where they would travel too far in m, and not in mm.

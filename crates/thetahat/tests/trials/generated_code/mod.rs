@@ -191,7 +191,9 @@ pub fn all_trials() -> Vec<Trial> {
     let all = [
         trials("c", &ROBOTS[..SMALL], is_there("cc", &["--version"]), c::run),
         each_night(trials("c", &ROBOTS[SMALL..], is_there("cc", &["--version"]), c::run)),
-        vec![Trial::test("own_sines_of_c", c::own_sines).with_ignored_flag(!is_there("cc", &["--version"]))],
+        each_night(vec![
+            Trial::test("own_sines_of_c", c::own_sines).with_ignored_flag(!is_there("cc", &["--version"])),
+        ]),
         trials("rust", &["two_joint.toml", WITH_TERMS, "scara.toml"], is_there("rustc", &["--version"]), rust::run),
         each_night(trials("rust", &["tx40.toml"], is_there("rustc", &["--version"]), rust::run)),
         trials("python", &ROBOTS, python.is_some(), python::run),

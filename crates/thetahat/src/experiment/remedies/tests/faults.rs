@@ -82,6 +82,7 @@ fn exchanged_torques_are_exchanged_back() {
 
 /// Channels 1 to 3 are those of joints 2, 3 and 1.
 #[test]
+#[ignore = "long, each night"]
 fn joints_in_a_circle_are_put_in_order() {
     let fault = |log: &mut Log| {
         for series in [&mut log.position, &mut log.torque] {
@@ -226,6 +227,7 @@ fn torques_of_another_clock_get_their_delay() {
 
 /// Someone pushes the arm twice: its first joints hold against it.
 #[test]
+#[ignore = "long, each night"]
 fn times_of_an_external_force_are_left_out() {
     let fault = |log: &mut Log| {
         for (from, length) in [(6.0, 0.8), (13.0, 0.5)] {
@@ -300,6 +302,7 @@ fn a_tilted_base_gets_its_gravity() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn a_spring_that_nobody_described_gets_its_term() {
     let twin = Twin::new().with(|log: &mut Log| {
         for k in 0..log.torque.len() {
@@ -358,6 +361,7 @@ fn a_filter_that_removes_motion_is_raised() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn samples_stamped_on_arrival_are_taken_as_equally_spaced() {
     // Stamps that jitter by more are taken so when they are read.
     let fault = |log: &mut Log| {
