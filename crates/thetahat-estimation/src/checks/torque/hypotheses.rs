@@ -7,8 +7,8 @@ use crate::checks::{
 };
 use thetahat_model::robot::{JointKind, Robot};
 
-/// Factor by which a correction of all joints, or of a zero, must reduce the squared residual. There are few such corrections;
-/// on the clean recordings the best one has 1.00.
+/// Factor by which a correction of all joints, of the unit of some, or of a zero, must reduce the squared residual. There are few such
+/// corrections; on the clean recordings the best one has 1.00, and for units of some 1.05.
 const COMMON_LIMIT: f64 = 1.15;
 /// The same for a correction of one joint; the clean recordings have at most 1.12.
 const SINGLE_LIMIT: f64 = 1.5;
@@ -142,7 +142,7 @@ impl Hypothesis {
         let factor = |j| if sorted.contains(&j) { unit.factor() } else { 1.0 };
         let factors: Vec<f64> = (0..robot.coordinate_count()).map(factor).collect();
         let correction = Affine::scaled_positions(&factors, &vec![0.0; factors.len()]);
-        Self::new(Code::PositionScale, Scope::One(sorted[0]), correction, text, UNIT)
+        Self::new(Code::PositionScale, Scope::One(sorted[0]), correction, text, UNIT).with_limit(COMMON_LIMIT)
     }
 
     fn with_limit(self, limit: f64) -> Self {
