@@ -90,8 +90,8 @@ pub struct ChannelSource {
     /// Whether a torque holds until the next sample, as from a sampled controller: it then acts half a step later than it was recorded.
     #[serde(default)]
     pub held: bool,
-    /// Whether the unit of a torque is a guess from the masses of the description, which the verdict then says. Leave it out once the unit
-    /// is known.
+    /// Whether the unit of a torque is a guess from the masses of the description, or that of some positions one from their range, which the
+    /// verdict then says. Leave it out once the unit is known.
     #[serde(default)]
     pub unit_guessed: bool,
     /// Whether the file may be anywhere, because the user named it and not a description file. Not read from files.

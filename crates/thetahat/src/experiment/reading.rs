@@ -70,6 +70,7 @@ impl Experiment {
         let recording = described(description, number, data, read, &clock);
         let is_held = description.torque.as_ref().is_some_and(|torque| torque.held);
         let mut recording = if is_held { recording.with_held_torque() } else { recording };
+        recording.position_unit_guessed = description.position.unit_guessed;
         recording.torque_unit_guessed = description.torque.as_ref().is_some_and(|torque| torque.unit_guessed);
         let recording = recording.unwrapped(&self.robot);
         let recording = without_delays(recording.into_equal_steps(&clock), description);

@@ -121,15 +121,14 @@ impl Experiment {
         }
     }
 
-    /// Other signals have no keys that only a torque has.
+    /// Other signals have no keys that only a torque, or a torque and a position, have.
     fn validate_keys_of_torque(&self, recording: &RecordingDescription) -> Result<(), ExperimentError> {
         let optional = [&recording.velocity, &recording.reference, &recording.added_signal].into_iter().flatten();
-        let others: Vec<&ChannelSource> =
-            optional.chain([&recording.position]).chain(recording.channels.values()).collect();
-        let held = others.iter().any(|source| source.held);
+        let others: Vec<&ChannelSource> = optional.chain(recording.channels.values()).collect();
+        let held = recording.position.held || others.iter().any(|source| source.held);
         self.require(!held, "[recording] held", "for the torque alone", held)?;
         let guessed = others.iter().any(|source| source.unit_guessed);
-        self.require(!guessed, "[recording] unit_guessed", "for the torque alone", guessed)
+        self.require(!guessed, "[recording] unit_guessed", "for position and torque alone", guessed)
     }
 
     /// On the joint side, and without gains that convert them, values have a dimension of `joints`: revolute or

@@ -35,6 +35,9 @@ pub struct Recording {
     /// Why these are not known, in sentences.
     #[doc(hidden)]
     pub notes_of_base: Vec<String>,
+    /// Whether the unit of some of its positions is a guess.
+    #[doc(hidden)]
+    pub position_unit_guessed: bool,
     /// Whether the unit of its torques is a guess from the masses of the description.
     #[doc(hidden)]
     pub torque_unit_guessed: bool,
@@ -96,6 +99,7 @@ impl Recording {
             gaps: Vec::new(),
             unused_rows: Vec::new(),
             notes_of_base: Vec::new(),
+            position_unit_guessed: false,
             torque_unit_guessed: false,
             contradicting_times: None,
             notes: Vec::new(),

@@ -54,23 +54,40 @@ pub(crate) fn examine(
     };
     let mut findings = checks::examine(&subject);
     findings.extend(equations_used(setup.robot, filtered));
-    findings.extend(recording.torque_unit_guessed.then(guessed_unit));
+    findings.extend(recording.position_unit_guessed.then(guessed_unit_of_position));
+    findings.extend(recording.torque_unit_guessed.then(guessed_unit_of_torque));
     RecordingFindings { recording: recording.name.clone(), held_back, findings }
 }
 
+/// The warning of joints that hardly turn in the unit of the others.
+fn guessed_unit_of_position() -> Finding {
+    guessed_unit(
+        Code::PositionScale,
+        "the unit of joints that hardly turn in degrees is a guess: they may be in rad, and their parameters are then wrong by a factor",
+        "state the unit of each joint in [recording] position, unit = [...], and leave unit_guessed out",
+    )
+}
+
 /// The warning of a torque whose unit was taken from the masses of the description: all torques and masses depend on it.
-fn guessed_unit() -> Finding {
+fn guessed_unit_of_torque() -> Finding {
+    guessed_unit(
+        Code::TorqueScale,
+        "the unit of the torque is a guess from the description's masses: all torques are wrong by a factor if it is another",
+        "find the unit in the manual of the drive or the driver, then leave unit_guessed of torque out",
+    )
+}
+
+fn guessed_unit(code: Code, message: &str, remedy: &str) -> Finding {
     Finding {
-        code: Code::TorqueScale,
+        code,
         severity: Severity::Warning,
         joint: None,
         joint_name: None,
         value: 0.0,
         unit: String::new(),
         limit: None,
-        message: "the unit of the torque is a guess from the description's masses: all torques are wrong by a factor if it is another"
-            .to_owned(),
-        remedy: "find the unit in the manual of the drive or the driver, then leave unit_guessed of torque out".to_owned(),
+        message: message.to_owned(),
+        remedy: remedy.to_owned(),
         parameters: Vec::new(),
         step: None,
     }

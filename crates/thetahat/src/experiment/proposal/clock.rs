@@ -110,6 +110,7 @@ fn recorded(source: &Source<'_>, time: &TimeSummary) -> ProposedClock {
             comment,
             gain: None,
             factor: None,
+            unit_guessed: false,
             contradiction: None,
             left_out: false,
         }),

@@ -35,6 +35,7 @@ impl Units<'_, '_> {
             why: format!("as the driver has it ({})", driver.name),
             gain: is_counted.then(|| gain_of_position("counts")),
             factor: (of.scale != 1.0).then_some(OneOrEach::One(of.scale)),
+            unit_guessed: false,
         };
         Some(if signal == Signal::Torque { self.with_gain_of_driver(measured, of, columns) } else { measured })
     }

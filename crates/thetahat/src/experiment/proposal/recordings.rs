@@ -236,6 +236,7 @@ impl<'a> Describer<'_, 'a> {
             comment: format!("From {} to {}; unit {}.", short(least), short(most), measured.why),
             gain: measured.gain.clone(),
             factor: measured.factor.clone(),
+            unit_guessed: measured.unit_guessed,
             contradiction: self.units(offer).contradiction(signal, columns, measured),
             left_out: false,
         }

@@ -94,6 +94,8 @@ pub struct ProposedChannels {
     pub gain: Option<String>,
     /// Their gain where it is known.
     pub factor: Option<OneOrEach<f64>>,
+    /// Whether some channels may as well be in another unit.
+    pub unit_guessed: bool,
     /// What in the log contradicts the driver.
     pub contradiction: Option<String>,
     /// Whether they stand in a comment, for the user to put right.
@@ -322,8 +324,9 @@ impl ProposedChannels {
         let to_fill = self.gain.iter().map(|gain| format!("# {}\n", visible(gain))).collect::<String>();
         let cut = if self.drop_cut_line { ", drop_cut_line = true" } else { "" };
         let rows = if self.channels_in_rows { ", channels_in_rows = true" } else { "" };
+        let guessed = if self.unit_guessed { ", unit_guessed = true" } else { "" };
         format!(
-            "# {}\n{to_fill}{}{name} = {{ file = {}{topic}, columns = [{}], unit = {}{side}{gain}{rows}{cut} }}\n",
+            "# {}\n{to_fill}{}{name} = {{ file = {}{topic}, columns = [{}], unit = {}{guessed}{side}{gain}{rows}{cut} }}\n",
             self.comment,
             if self.left_out { "# " } else { "" },
             quoted(&self.file.display().to_string()),

@@ -40,11 +40,13 @@ pub(super) struct Measured {
     pub(super) gain: Option<String>,
     /// The gain where it is known: one for all channels, or one for each.
     pub(super) factor: Option<OneOrEach<f64>>,
+    /// Whether some channels may as well be in another unit, which the verdict is to say.
+    pub(super) unit_guessed: bool,
 }
 
 impl Measured {
     fn new(units: Vec<Unit>, side: Side, why: &str) -> Self {
-        Self { units, side, why: why.to_owned(), gain: None, factor: None }
+        Self { units, side, why: why.to_owned(), gain: None, factor: None, unit_guessed: false }
     }
 
     /// The factor from the values of a channel to rad or m, N m or N.
@@ -247,8 +249,11 @@ impl Units<'_, '_> {
             let why = "a guess: too large for rad and for deg of joints with limits";
             Measured { gain: Some(gain_of_position("counts, or turns of motors")), ..joint(Unit::Radian, why) }
         } else if largest > LARGEST_ANGLE && !self.is_of_turns(columns) {
-            let why = "a guess: too large for rad on the joint side";
-            joint(Unit::Degree, &(why.to_owned() + &self.perhaps_in_rad(columns)))
+            let in_degrees = joint(Unit::Degree, "a guess: too large for rad on the joint side");
+            match self.perhaps_in_rad(columns) {
+                Some(hint) => Measured { why: format!("{}; {hint}", in_degrees.why), unit_guessed: true, ..in_degrees },
+                None => in_degrees,
+            }
         } else {
             let hint = hint_of_file(&self.source, Signal::Position, columns).filter(|unit| *unit != Unit::Radian);
             let why = hint.map_or_else(
@@ -259,21 +264,22 @@ impl Units<'_, '_> {
         }
     }
 
-    /// What to write where some joints' angles are in rad, though those of others cannot be; nothing where all turn far in degrees.
-    fn perhaps_in_rad(&self, columns: &[SelectedColumn<'_>]) -> String {
+    /// What to write where some joints' angles are in rad, though those of others cannot be; `None` where all turn far in degrees.
+    fn perhaps_in_rad(&self, columns: &[SelectedColumn<'_>]) -> Option<String> {
         let channels = columns.iter().flat_map(|c| c.channels).zip(&self.joints);
         let is_in_rad: Vec<bool> = channels.map(|(channel, joint)| may_be_in_rad(channel, joint)).collect();
         let named = self.joints.iter().zip(&is_in_rad).filter(|(_, is_in_rad)| **is_in_rad);
         let names: Vec<&str> = named.map(|(joint, _)| joint.name.as_str()).collect();
         if names.is_empty() {
-            return String::new();
+            return None;
         }
         let unit = |(kind, is_in_rad): (JointKind, &bool)| {
             format!("\"{}\"", matching(if *is_in_rad { Unit::Radian } else { Unit::Degree }, kind).symbol())
         };
         let units: Vec<String> = self.kinds().into_iter().zip(&is_in_rad).map(unit).collect();
         let turns = if names.len() == 1 { "turns" } else { "turn" };
-        format!("; {} hardly {turns} in deg: in rad, write unit = [{}]", names.join(", "), units.join(", "))
+        let (names, units) = (names.join(", "), units.join(", "));
+        Some(format!("{names} hardly {turns} in deg: in rad, write unit = [{units}], else leave unit_guessed out"))
     }
 
     /// Checks that angles without a unit cannot be in another one than those of which the names say it.

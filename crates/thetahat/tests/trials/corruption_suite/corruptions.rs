@@ -63,8 +63,8 @@ fn scales() -> Vec<Corruption> {
         with("all positions in rad, read as degrees", PositionScale, None, |r| {
             r.position.values_mut().iter_mut().for_each(|q| *q = q.to_radians());
         }),
-        with("positions 4 to 6 in degrees, read as rad", PositionScale, None, |r| {
-            (4..=6).for_each(|j| scale(&mut r.position, j, 1.0_f64.to_degrees()));
+        with("positions 2 and 3 in degrees, read as rad", PositionScale, 2, |r| {
+            (2..=3).for_each(|j| scale(&mut r.position, j, 1.0_f64.to_degrees()));
         }),
         with("positions 1 to 3 in rad, read as degrees", PositionScale, 1, |r| {
             (1..=3).for_each(|j| scale(&mut r.position, j, 1.0_f64.to_radians()));
