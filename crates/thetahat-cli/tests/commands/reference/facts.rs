@@ -41,8 +41,8 @@ pub const LINK_QUANTITIES: [(&str, &str); 3] = [
 pub const FINDINGS: [[&str; 4]; 45] = [
     [
         "position-scale",
-        "problem",
-        "ratio for positions in another unit or from the other side of the gears ({checks/torque/hypotheses COMMON_LIMIT} for all joints, {checks/torque/hypotheses SINGLE_LIMIT} for one); or the span of a joint over the range that its description allows ({checks/motion/position_range LIMIT})",
+        "problem, warning",
+        "ratio for positions in another unit or from the other side of the gears ({checks/torque/hypotheses COMMON_LIMIT} for all joints or units of several, {checks/torque/hypotheses SINGLE_LIMIT} for one); or the span of a joint over the range that its description allows ({checks/motion/position_range LIMIT}); a warning where joints hardly turn in degrees and may be in rad (`unit_guessed`)",
         "correct `unit` or `side` of the position, or the ratios in `[transmission]`",
     ],
     [
