@@ -56,6 +56,7 @@ fn intervals_of_the_tx40_hold_the_truth() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn intervals_of_emps_hold_the_truth() {
     check(&Twin::emps().unwrap(), 1, &[Method::IDIM_IV]);
 }

@@ -136,6 +136,7 @@ fn gains_that_are_a_fifth_too_low_are_named_with_their_factor() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn late_commands_and_the_sign_of_friction_are_found_by_positions_alone() {
     const LATE: usize = 3;
     let robot = robot("", BODIES);

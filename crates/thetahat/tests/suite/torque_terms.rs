@@ -208,6 +208,7 @@ expression = "s * (temperature - 30)"
 "#;
 
 #[test]
+#[ignore = "long, each night"]
 fn friction_that_follows_a_recorded_temperature_is_found() {
     let values = "fv_temperature1 = -0.02\nfv_temperature2 = -0.01\nwarm = -0.012\n";
     let truth = robot(TEMPERATURE, values);
@@ -300,6 +301,7 @@ fn a_law_that_fits_is_recommended_and_no_other() {
 }
 
 #[test]
+#[ignore = "long, each night"]
 fn constants_are_profiled() {
     let recording = record(&robot(SPRING_AND_STRIBECK, "k2 = 6.0\nfs1 = 1.2\nfs2 = 0.8\n"), 40.0, None);
     let recording = Recording { truth: None, ..recording };
