@@ -78,19 +78,25 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &ThinnedRe
     for scale in &scales {
         exam.note_measure(evidence(Some(scale.coordinate), scale.off()));
     }
-    let wrong: Vec<&Scale> = scales.iter().filter(|s| s.is_wrong()).collect();
+    let wrong = wrong_of(&scales);
     if wrong.is_empty() {
         return;
     }
     let factors: Vec<f64> = wrong.iter().map(|s| s.factor).collect();
     let middle = median(&factors);
-    let common = wrong.len() > 1 && (wrong.len() >= SEVERAL.min(scales.len()) || none_agrees(&scales));
+    let common = wrong.len() > 1 && wrong.len() >= SEVERAL.min(scales.len());
     let agreeing = scales.iter().filter(|s| s.off() < ALIKE).count();
     let is_single = wrong.len() == 1 && agreeing >= WITNESSES;
     let is_absurd = off(middle) > ABSURD;
     let severity = if common || is_single || is_absurd { Severity::Problem } else { Severity::Warning };
     let only = if wrong.len() == 1 { Some(wrong[0].coordinate) } else { None };
     exam.raise(evidence(only, off(middle)), severity, finding_text(exam.subject.robot, &wrong, middle, common));
+}
+
+/// The joints whose torque is wrong: all of several where one is for sure and none agrees with the masses.
+fn wrong_of(scales: &[Scale]) -> Vec<&Scale> {
+    let is_sure = scales.iter().any(Scale::is_wrong);
+    scales.iter().filter(|s| s.is_wrong() || (is_sure && none_agrees(scales))).collect()
 }
 
 /// Whether all of several torques are far from those of the masses, be the part of the links small.
@@ -259,9 +265,12 @@ mod tests {
         let scale = |(coordinate, (factor, part)): (usize, (f64, f64))| Scale { coordinate, factor, part };
         let scales = |of: [(f64, f64); 4]| of.into_iter().enumerate().map(scale).collect::<Vec<_>>();
         let currents = scales([(0.035, 0.17), (0.036, 0.24), (0.042, 0.21), (0.075, 0.08)]);
-        assert_eq!(currents.iter().filter(|s| s.is_wrong()).count(), 2);
-        assert!(none_agrees(&currents));
-        assert!(!none_agrees(&scales([(0.035, 0.17), (0.036, 0.24), (0.042, 0.21), (1.1, 0.08)])));
-        assert!(!none_agrees(&currents[..2]));
+        let wrong = |scales: &[Scale]| wrong_of(scales).iter().map(|s| s.coordinate).collect::<Vec<_>>();
+        assert_eq!(wrong(&currents), [0, 1, 2, 3]);
+        assert_eq!(wrong(&currents[..2]), [1]);
+        assert_eq!(wrong(&scales([(0.035, 0.17), (0.036, 0.24), (0.042, 0.21), (1.1, 0.08)])), [1, 2]);
+        // Of one joint alone the links take a fifth.
+        assert_eq!(wrong(&scales([(0.035, 0.17), (0.036, 0.24), (0.042, 0.11), (0.075, 0.08)])), [0, 1, 2, 3]);
+        assert!(wrong(&scales([(0.035, 0.17), (0.036, 0.14), (0.042, 0.11), (0.075, 0.08)])).is_empty());
     }
 }
