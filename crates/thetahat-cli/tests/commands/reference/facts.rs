@@ -391,7 +391,7 @@ pub const REASONS: [[&str; 4]; 18] = [
     ],
     [
         "cause",
-        "a [cause](../manual/what_you_get.md#what-the-model-can-be-wrong-in) has a probability below 1e-5 by chance (of n > 300 rows for each joint: below its power sqrt(n / 300)) and explains more than {run/model/causes/mod LEAST_ERROR_PERCENT} % of the torques; a delay counts from {diagnosis/verdict/model LATE_SAMPLES} samples and {diagnosis/verdict/model LATE_S} s",
+        "a [cause](../manual/what_you_get.md#what-the-model-can-be-wrong-in) has a probability below 1e-5 by chance (of n > 300 rows for each joint: below its power sqrt(n / 300); of encoder zeros, gear ratios and lengths below 1e-4, of n > 500 rows below its power n / 500) and explains more than {run/model/causes/mod LEAST_ERROR_PERCENT} % of the torques; a delay counts from {diagnosis/verdict/model LATE_SAMPLES} samples and {diagnosis/verdict/model LATE_S} s",
         "a payload that is picked up or put down explains more than {diagnosis/verdict/model PAYLOAD_PERCENT} % of the torques",
         "that of the cause",
     ],

@@ -52,12 +52,13 @@ pub(in crate::checks) fn largest_gain(recording: &ThinnedRecording<'_>, all: &[H
 
 /// The hypotheses that are cheap enough to try.
 pub(in crate::checks) fn affordable(recording: &ThinnedRecording<'_>) -> Vec<Hypothesis> {
+    let screening = Screening::new(recording);
     let mut all = hypotheses(recording.subject.robot);
-    all.extend(mixed_units::mixed_units(recording));
+    all.extend(mixed_units::mixed_units(recording.subject.robot, &screening.spans));
     if all.len() as f64 * Screening::work(recording) > MOST_WORK {
         all.retain(|hypothesis| hypothesis.coordinate.is_none());
     }
-    all.extend(order::other_order(recording));
+    all.extend(order::other_order(recording, &screening));
     all
 }
 

@@ -5,15 +5,12 @@
 
 use super::{
     hypotheses::{Hypothesis, UnitOfSome},
-    screening::{SPANS_RAD, Screening},
+    screening::SPANS_RAD,
 };
-use crate::checks::fit::thinned_recording::ThinnedRecording;
-use thetahat_model::robot::JointKind;
+use thetahat_model::robot::{JointKind, Robot};
 
 /// The corrections of two joints or more, but not of all; those of one joint and of all are among the others.
-pub(super) fn mixed_units(recording: &ThinnedRecording<'_>) -> Vec<Hypothesis> {
-    let robot = recording.subject.robot;
-    let spans = Screening::new(recording).spans;
+pub(super) fn mixed_units(robot: &Robot, spans: &[f64]) -> Vec<Hypothesis> {
     let of = |unit: UnitOfSome| {
         let is_plausible = |j: &usize| {
             let turns = robot.joints[robot.joint_of(*j)].kind == JointKind::Revolute;

@@ -17,13 +17,12 @@ const MOST_WORK: f64 = 8e9;
 const PROGRESS: f64 = 1.02;
 
 /// Another order of torques, or of positions and torques, that explains much more; looked for where the torques are explained poorly.
-pub(super) fn other_order(recording: &ThinnedRecording<'_>) -> Option<Hypothesis> {
+pub(super) fn other_order(recording: &ThinnedRecording<'_>, screening: &Screening) -> Option<Hypothesis> {
     let n = recording.coordinates();
     let exchanges = n * n.saturating_sub(1) / 2;
     if n < 3 || (4 * n * exchanges) as f64 * Screening::work(recording) > MOST_WORK {
         return None;
     }
-    let screening = Screening::new(recording);
     let stated = screening.squares(recording, &Affine::identity(n))?;
     if stated < POOR * screening.squares_of_none() {
         return None;

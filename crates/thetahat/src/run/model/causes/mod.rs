@@ -24,6 +24,11 @@ use torques::Torques;
 
 /// log10 of the probability below which a cause is named: some 40 causes are tested.
 const NAMED: f64 = -5.0;
+/// The same of errors of the description: encoder zeros, gear ratios and lengths. Their columns are smooth functions of the motion, of which
+/// filters leave little: clean arms at 30 to 500 Hz have the evidence that chance gives of some 30 columns.
+const NAMED_OF_DESCRIPTION: f64 = -4.0;
+/// Rows of a joint of those arms: in more rows the limit is as much lower.
+const ROWS_OF_DESCRIPTION: f64 = 500.0;
 /// The same where the cut-off is next to half of the sample rate: what the samples do to a motion that they hardly resolve
 /// is in the residual too. A clean arm at 30 Hz has evidence of -10 in one of ten recordings.
 const NAMED_AT_LOW_RATE: f64 = -12.0;
@@ -100,20 +105,17 @@ pub(super) fn causes(
     let ripples = torques.ripples(&residual, identification.threads);
     let residual = residual.with(candidates).with(ripples);
     let threads = identification.threads;
-    let more_rows = (tested.rows.rows_of_joint() as f64 / ROWS).max(1.0);
-    let named_below = named_below(identification) * more_rows.sqrt();
-    let named_by_filtered = named_below.min(NAMED_BY_FILTERED * more_rows);
+    let limits = Limits::new(identification, tested.rows.rows_of_joint(), friction);
     let (put_in, named) = (Vec::new(), Vec::new());
     let finer = (tested.step as f64).sqrt();
-    let mut search =
-        Search { residual, problem, finer, threads, named_below, named_by_filtered, friction, put_in, named };
+    let mut search = Search { residual, problem, finer, threads, limits, put_in, named };
     let is_late = late.zip(of_delay).is_some_and(|(late, of_delay)| search.put_in_delay(late, &of_delay));
     let delay = if is_late { torques.delay() } else { None };
     while search.named.len() < MOST && search.put_in_strongest() {}
     let Search { residual, mut named, put_in, .. } = search;
     named.sort_by(|a, b| a.log10_probability.total_cmp(&b.log10_probability));
     let hidden = (0..residual.candidates.len()).filter(|k| !put_in.contains(k));
-    let smallest_shown = hidden.filter_map(|k| smallest_shown(&residual, k, named_below)).collect();
+    let smallest_shown = hidden.filter_map(|k| smallest_shown(&residual, k, &limits)).collect();
     FoundCauses { causes: named, smallest_shown, delay }
 }
 
@@ -124,11 +126,7 @@ struct Search<'a> {
     /// Deviations in the tested rows over those in all of them.
     finer: f64,
     threads: usize,
-    /// log10 of the probability below which a cause is named.
-    named_below: f64,
-    /// The same of columns that the filters blur.
-    named_by_filtered: f64,
-    friction: FrictionEvidence,
+    limits: Limits,
     put_in: Vec<usize>,
     named: Vec<ModelCause>,
 }
@@ -137,7 +135,7 @@ impl Search<'_> {
     /// Puts the delay in if rows of its own show it.
     fn put_in_delay(&mut self, late: usize, of_delay: &Residual) -> bool {
         self.put_in.push(late);
-        let found = of_delay.test(0).filter(|found| found.log10_p < self.named_below);
+        let found = of_delay.test(0).filter(|found| found.log10_p < self.limits.named_below);
         let Some(found) = found else { return false };
         let moved = self.moved(of_delay, 0, &found);
         let cause = &of_delay.candidates[0].cause;
@@ -149,7 +147,7 @@ impl Search<'_> {
     /// Puts the strongest cause in, with the name of others that it explains away; false if none is left.
     fn put_in_strongest(&mut self) -> bool {
         let found = self.evidence();
-        let log10_p = |k: usize| found[k].as_ref().map(|f| f.log10_p).filter(|p| *p < self.named_below_of(k));
+        let log10_p = |k: usize| found[k].as_ref().map(|f| f.log10_p).filter(|p| *p < self.limits.of(self.kind(k)));
         let shown = (0..found.len()).filter_map(|k| Some((k, log10_p(k)?)));
         let Some((best, strongest)) = shown.min_by(|a, b| a.1.total_cmp(&b.1)) else { return false };
         let is_rival = |k: &usize| self.is_other(*k, best) && log10_p(*k).is_some_and(|p| p < RIVAL * strongest);
@@ -191,30 +189,8 @@ impl Search<'_> {
         moved
     }
 
-    fn named_below_of(&self, k: usize) -> f64 {
-        let is_by_filtered = match self.residual.candidates[k].cause.kind {
-            CauseKind::Elasticity
-            | CauseKind::FrictionDrift
-            | CauseKind::AsymmetricFriction
-            | CauseKind::TorqueRipple
-            | CauseKind::LatePosition => true,
-            CauseKind::LoadFriction | CauseKind::SpeedFriction => self.friction == FrictionEvidence::AfterTerms,
-            CauseKind::LateTorque
-            | CauseKind::EncoderZero
-            | CauseKind::GearRatio
-            | CauseKind::DriveGain
-            | CauseKind::OffsetDrift
-            | CauseKind::Length
-            | CauseKind::Coupling
-            | CauseKind::Payload
-            | CauseKind::GravityDirection
-            | CauseKind::Crosstalk
-            | CauseKind::FallingConstant
-            | CauseKind::JointSpring
-            | CauseKind::GainDrift
-            | CauseKind::ZeroShift => false,
-        };
-        if is_by_filtered { self.named_by_filtered } else { self.named_below }
+    fn kind(&self, k: usize) -> CauseKind {
+        self.residual.candidates[k].cause.kind
     }
 
     /// Whether two causes are different errors.
@@ -223,15 +199,58 @@ impl Search<'_> {
     }
 }
 
-/// log10 of the probability below which a cause is named in recordings of such a rate.
-fn named_below(identification: &Identification) -> f64 {
-    let slowest = identification.main.iter().map(|p| p.filtered.recording.sample_rate_hz).fold(f64::INFINITY, f64::min);
-    let is_low = identification.setup().settings.signal.cutoff_hz > LOW_RATE * slowest;
-    if is_low { NAMED_AT_LOW_RATE } else { NAMED }
+/// log10 of the probabilities below which causes are named.
+#[derive(Clone, Copy)]
+struct Limits {
+    named_below: f64,
+    of_description: f64,
+    /// Of columns that the filters blur.
+    by_filtered: f64,
+    friction: FrictionEvidence,
+}
+
+impl Limits {
+    fn new(identification: &Identification, rows_of_joint: usize, friction: FrictionEvidence) -> Self {
+        let slowest = identification.main.iter().map(|p| p.filtered.recording.sample_rate_hz);
+        let slowest = slowest.fold(f64::INFINITY, f64::min);
+        let is_low = identification.setup().settings.signal.cutoff_hz > LOW_RATE * slowest;
+        let rows_over = |rows: f64| (rows_of_joint as f64 / rows).max(1.0);
+        let more_rows = rows_over(ROWS);
+        let named_below = if is_low { NAMED_AT_LOW_RATE } else { NAMED } * more_rows.sqrt();
+        let of_description = named_below.max(NAMED_OF_DESCRIPTION * rows_over(ROWS_OF_DESCRIPTION));
+        let by_filtered = named_below.min(NAMED_BY_FILTERED * more_rows);
+        Self { named_below, of_description, by_filtered, friction }
+    }
+
+    fn of(&self, kind: CauseKind) -> f64 {
+        match kind {
+            CauseKind::EncoderZero | CauseKind::GearRatio | CauseKind::Length => self.of_description,
+            CauseKind::Elasticity
+            | CauseKind::FrictionDrift
+            | CauseKind::AsymmetricFriction
+            | CauseKind::TorqueRipple
+            | CauseKind::LatePosition => self.by_filtered,
+            CauseKind::LoadFriction | CauseKind::SpeedFriction => match self.friction {
+                FrictionEvidence::BeforeTerms => self.named_below,
+                FrictionEvidence::AfterTerms => self.by_filtered,
+            },
+            CauseKind::LateTorque
+            | CauseKind::DriveGain
+            | CauseKind::OffsetDrift
+            | CauseKind::Coupling
+            | CauseKind::Payload
+            | CauseKind::GravityDirection
+            | CauseKind::Crosstalk
+            | CauseKind::FallingConstant
+            | CauseKind::JointSpring
+            | CauseKind::GainDrift
+            | CauseKind::ZeroShift => self.named_below,
+        }
+    }
 }
 
 /// The size of an error of the description that would be named, of a cause that is not.
-fn smallest_shown(residual: &Residual, candidate: usize, named_below: f64) -> Option<SmallestShown> {
+fn smallest_shown(residual: &Residual, candidate: usize, limits: &Limits) -> Option<SmallestShown> {
     let cause = &residual.candidates[candidate].cause;
     match cause.kind {
         CauseKind::EncoderZero
@@ -258,7 +277,7 @@ fn smallest_shown(residual: &Residual, candidate: usize, named_below: f64) -> Op
     }
     residual.test(candidate)?.size?;
     let beyond = |column: &[f64], count: usize| {
-        let size = residual.size_beyond(column, named_below, count)?;
+        let size = residual.size_beyond(column, limits.of(cause.kind), count)?;
         Some(size.max(residual.size_explaining(column, LEAST_ERROR_PERCENT)))
     };
     let size = beyond(residual.column(candidate), 1)?;
