@@ -567,6 +567,9 @@ pub struct RenamedColumns {
     /// The time column, if its name differs from the experiment
     #[arg(long, value_name = "NAME")]
     pub time: Option<String>,
+    /// Unit of the time, such as ms, if it differs from the experiment
+    #[arg(long, value_name = "UNIT")]
+    pub time_unit: Option<Unit>,
 }
 
 #[derive(Args)]

@@ -166,6 +166,7 @@ fn predict_torques(request: &Predict) -> Result<Ending, Box<dyn Error>> {
         position: request.columns.position.clone(),
         torque: request.columns.torque.clone(),
         time: request.columns.time.clone(),
+        time_unit: request.columns.time_unit,
         window_s: request.window_s.as_ref().map(|w| [w[0], w[1]]),
         case: request.case.clone(),
         method: request.method,

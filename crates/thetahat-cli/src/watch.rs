@@ -69,6 +69,7 @@ fn asked(request: &arguments::Watch) -> PredictionRequest {
         position: request.columns.position.clone(),
         torque: request.columns.torque.clone(),
         time: request.columns.time.clone(),
+        time_unit: request.columns.time_unit,
         window_s: None,
         case: request.case.clone(),
         method: request.method,

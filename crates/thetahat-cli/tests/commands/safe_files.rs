@@ -349,6 +349,29 @@ fn a_prediction_takes_the_window_and_columns_that_it_is_told() {
     );
 }
 
+/// The time of a log may be in ms and that of the next one in s.
+#[test]
+fn a_prediction_takes_the_unit_of_the_time() {
+    let folder = case();
+    succeeds(&folder, "identify experiment.toml --out out");
+    let with_time_times = |factor: f64| {
+        let scaled = |line: &str| {
+            let (time, rest) = line.split_once(',')?;
+            Some(format!("{},{rest}", time.parse::<f64>().ok()? * factor))
+        };
+        let lines = record().lines().map(|line| scaled(line).unwrap_or_else(|| line.to_owned())).collect::<Vec<_>>();
+        lines.join("\n")
+    };
+    folder.write("short.csv", with_time_times(1e-3));
+    folder.write("ms.csv", with_time_times(1e3));
+    let predict = "predict out/results.json --recording short.csv --time t";
+    is_refused(&folder, predict, &["short.csv", "with its time in s, as in the experiment", "time_unit"]);
+    let predicted = |rest: &str| succeeds(&folder, &format!("predict out/results.json --recording {rest}"));
+    let errors = |text: &str| text.lines().skip(2).map(str::to_owned).collect::<Vec<_>>();
+    let [ms, s] = [predicted("ms.csv --time t --time-unit ms"), predicted("record.csv --time t")];
+    assert_eq!(errors(&ms), errors(&s));
+}
+
 #[test]
 fn a_prediction_takes_the_method_that_is_advised() {
     let folder = case();

@@ -1,8 +1,9 @@
 use std::path::PathBuf;
 
 use crate::{filter_choice::FilterChoiceError, preparation::PreparationError};
-use thetahat_data::recording::RecordingError;
+use thetahat_data::recording::{RecordingError, Unit};
 use thetahat_estimation::{simulation::SimulationError, trajectory::TrajectoryError};
+use thetahat_ground::number::significant;
 use thetahat_model::robot::RobotError;
 use thetahat_report::results::{NoEstimate, ResultsError};
 
@@ -33,6 +34,19 @@ pub enum ExperimentError {
         path: PathBuf,
         /// Why.
         source: PreparationError,
+    },
+    /// A motion to predict is too short for the filter of the identification.
+    #[error(
+        "{}: lasts {} s with its time in {unit}, as in the experiment, which is too short; is it in another unit? Then state it: \
+         time_unit", path.display(), significant(*duration_s, 3)
+    )]
+    ShortMotion {
+        /// The file of the time.
+        path: PathBuf,
+        /// Its length in that unit, s.
+        duration_s: f64,
+        /// The unit.
+        unit: Unit,
     },
     /// A file that the experiment names lies outside its folder.
     #[error(

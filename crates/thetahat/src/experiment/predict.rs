@@ -9,7 +9,7 @@ use super::{
     identified::{EstimateRequest, IdentifiedRobot},
     locked_motion::require_locked_at_rest,
 };
-use crate::preparation::PreparationError;
+use crate::preparation::{PreparationError, Recording};
 use thetahat_data::recording::{ChannelSource, RecordingError, Side, Unit};
 use thetahat_estimation::identification::Method;
 use thetahat_ground::one_or_each::OneOrEach;
@@ -30,6 +30,8 @@ pub struct PredictionRequest {
     pub torque: Vec<String>,
     /// The time column, likewise.
     pub time: Option<String>,
+    /// Unit of the time; that of the experiment if absent.
+    pub time_unit: Option<Unit>,
     /// Start and end of the window, s; `None` for that of the experiment.
     pub window_s: Option<[f64; 2]>,
     /// The case.
@@ -72,7 +74,26 @@ pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentErro
     } else {
         experiment.read_motion(&description, Path::new(""))?
     };
+    require_length(&identified, &description, &recording)?;
     identified.predict_valid(recording).map_err(|e| experiment.refuse(e))
+}
+
+/// A recording with stamps is long enough: where it is not, they are in another unit as a rule.
+fn require_length(
+    identified: &IdentifiedRobot,
+    description: &RecordingDescription,
+    recording: &Recording,
+) -> Result<(), ExperimentError> {
+    let Some(time) = &description.time else { return Ok(()) };
+    let (samples, rate) = (recording.position.len(), recording.sample_rate_hz);
+    if identified.setup().require_periods(samples, rate).is_ok() {
+        return Ok(());
+    }
+    Err(ExperimentError::ShortMotion {
+        path: time.file.clone(),
+        duration_s: samples as f64 / rate,
+        unit: *time.unit.of(0),
+    })
 }
 
 /// Whether a file was refused because it has none of the torques, which the request does not name: a planned motion.
@@ -124,6 +145,9 @@ pub(crate) fn recording_to_predict(
     let time = description.time.take().or_else(|| request.time.as_ref().map(|_| seconds(&description.position)));
     description.time = time.map(|mut time| {
         rename_source(&mut time, &request.recording, request.time.as_slice());
+        if let Some(unit) = request.time_unit {
+            time.unit = OneOrEach::One(unit);
+        }
         time
     });
     if description.time.is_some() {

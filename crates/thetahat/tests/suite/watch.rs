@@ -107,6 +107,7 @@ fn request(folder: &Folder) -> PredictionRequest {
         position: Vec::new(),
         torque: Vec::new(),
         time: None,
+        time_unit: None,
         window_s: None,
         case: NOMINAL.to_owned(),
         method: None,
