@@ -168,12 +168,14 @@ impl OrthogonalFit {
         rms(&self.residual[self.rows_of(j)])
     }
 
-    /// The same per degree of freedom: its rows minus the parameters that they determine.
+    /// The same per degree of freedom: its rows with a weight above zero, minus the parameters that they determine.
     pub(in crate::checks) fn joint_error_per_freedom(&self, j: usize) -> f64 {
         let rows = self.rows_of(j);
         let determined: f64 = (0..self.rank).map(|c| &self.basis.column(c)[rows.clone()]).map(|b| dot(b, b)).sum();
         let residual = &self.residual[rows.clone()];
-        (dot(residual, residual) / (rows.len() as f64 - determined).max(1.0)).sqrt()
+        let weights = self.regression.weights();
+        let used = rows.filter(|&i| weights.is_none_or(|weights| weights[i] > 0.0)).count();
+        (dot(residual, residual) / (used as f64 - determined).max(1.0)).sqrt()
     }
 
     /// The part of a vector of weighted rows that no parameters explain.

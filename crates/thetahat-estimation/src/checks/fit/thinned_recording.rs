@@ -251,14 +251,14 @@ impl<'a> ThinnedRecording<'a> {
         Ok(Regression::new(x, self.stack(&self.torque), layout))
     }
 
-    /// Whether each row counts where rests do not: those of a coordinate that stands for most of the time are left out where it is near
-    /// rest, or is so within the memory of the rows' filter.
-    pub(in crate::checks) fn rows_without_long_rests(&self) -> Vec<bool> {
+    /// Whether each row counts where rests do not: those of a coordinate that stands for more than a part of the time are left out where it
+    /// is near rest, or is so within the memory of the rows' filter.
+    pub(in crate::checks) fn rows_without_long_rests(&self, part: f64) -> Vec<bool> {
         let memory = MEMORY_ROWS * self.steps_per_row();
         let of_coordinate = |j: usize| {
             let speeds: Vec<f64> = self.motion.dq.channel(j).into_iter().map(f64::abs).collect();
             let limit = NEAR_REST * speeds.iter().copied().fold(0.0, f64::max);
-            let stands = 2 * speeds.iter().filter(|speed| **speed <= limit).count() > speeds.len();
+            let stands = speeds.iter().filter(|speed| **speed <= limit).count() as f64 > part * speeds.len() as f64;
             let last = speeds.len();
             let around = move |k: usize| k.saturating_sub(memory)..(k + memory + 1).min(last);
             self.kept.iter().map(move |&k| !stands || speeds[around(k)].iter().all(|speed| *speed > limit))

@@ -30,10 +30,14 @@ const POOR_PERCENT: f64 = 7.0;
 const GEOMETRY_PERCENT: f64 = 20.0;
 /// Correlation of neighbouring rows of the residual below which it is noise, not another geometry.
 const STRUCTURE: f64 = 0.4;
+/// Part of the time that a joint stands, from which its rests do not count.
+const RESTS: f64 = 0.2;
 /// Faults that explain a poor fit; wrong signs, scales and order are corrected before.
 const CAUSES: [Code; 5] =
     [Code::TorqueNoise, Code::TorqueIdle, Code::TorqueSaturated, Code::JointsSwapped, Code::StillPeriod];
 
+/// Fewest rows in motion for each column of a joint.
+const FEWEST_ROWS_PER_COLUMN: usize = 2;
 /// Relative size of the last diagonal entries of R below which columns depend on one another.
 const DEPENDENT: f64 = 1e-8;
 
@@ -88,14 +92,30 @@ impl ModelErrors {
     fn of(recording: &ThinnedRecording<'_>, shapes: &Matrix) -> Option<Self> {
         let joints = 0..recording.coordinates();
         let own_motions = joints.clone().map(|j| own_motion(recording, j)).collect::<Option<Vec<_>>>()?;
-        let fit = recording.fit_with_columns(shapes, &vec![false; shapes.rows()]).ok()?;
+        // At rest a joint's friction is anything between two values: no geometry explains it.
+        let moves = recording.rows_without_long_rests(RESTS);
+        let rows_of = |j: usize| j * recording.rows()..(j + 1) * recording.rows();
+        let fewest = FEWEST_ROWS_PER_COLUMN * (PENDULUM + shapes.columns());
+        if joints.clone().any(|j| moves[rows_of(j)].iter().filter(|moves| **moves).count() < fewest) {
+            return None;
+        }
+        let fit = recording.fit_with_columns(shapes, &moves.iter().map(|moves| !moves).collect::<Vec<_>>()).ok()?;
+        let in_motion = |rows: &[f64], j: usize| -> Vec<f64> {
+            recording
+                .rows_of(rows, j)
+                .iter()
+                .zip(&moves[rows_of(j)])
+                .filter(|(_, moves)| **moves)
+                .map(|(y, _)| *y)
+                .collect()
+        };
         let error = |columns: usize, j: usize| {
             let own = own_motions[j].select_columns(&(0..columns).collect::<Vec<_>>());
-            let rows = j * recording.rows()..(j + 1) * recording.rows();
-            rms_residual(recording.rows_of(&fit.y, j), &Matrix::side_by_side(&[&own, &shapes.row_range(rows)]))
+            let all = Matrix::side_by_side(&[&own, &shapes.row_range(rows_of(j))]);
+            rms_residual(&in_motion(&fit.y, j), &all.select_rows(&moves[rows_of(j)]))
         };
         let all = |of: &dyn Fn(usize) -> f64| 100.0 * rms(&joints.clone().map(of).collect::<Vec<_>>());
-        let neighbours = |j: usize| autocorrelation(recording.rows_of(&fit.residual, j));
+        let neighbours = |j: usize| autocorrelation(&in_motion(&fit.residual, j));
         Some(Self {
             model: all(&|j| fit.joint_error_per_freedom(j)),
             pendulums: all(&|j| error(PENDULUM, j)),

@@ -15,6 +15,8 @@ const LIMIT_PERCENT: f64 = 6.0;
 const SMALLER: f64 = 0.8;
 /// Smallest ratio of the squared errors with the experiment's and with the doubled cut-off: a smaller one depends on the stretches.
 const WORTH_IT: f64 = 1.2;
+/// Part of the time that a joint stands, from which its rests do not count.
+const RESTS: f64 = 0.5;
 /// Highest cut-off, part of the sample rate.
 const HIGHEST: f64 = 0.4;
 
@@ -25,8 +27,9 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &ThinnedRe
         return;
     }
     // Where a joint stands, a wider filter makes the friction's sign sharper and moves no estimate.
-    let squares =
-        |recording: &ThinnedRecording<'_>| recording.fit().ok()?.held_out_squares(&recording.rows_without_long_rests());
+    let squares = |recording: &ThinnedRecording<'_>| {
+        recording.fit().ok()?.held_out_squares(&recording.rows_without_long_rests(RESTS))
+    };
     let at = |cutoff_hz: f64| recording.with_cutoff(cutoff_hz).and_then(|wider| squares(&wider));
     let (Some(narrow), Some(wide)) = (squares(recording), at(2.0 * cutoff)) else { return };
     let value = if narrow > WORTH_IT * wide { 100.0 * (narrow - wide).sqrt() } else { 0.0 };
