@@ -142,6 +142,9 @@ fn check_fit(exam: &mut Examination<'_>, signals: &Signals, recording: &mut Thin
             robot::wrong_robot::check(exam, recording, shapes);
         }
         robot::a_priori::check(exam, recording);
+        if !recording.is_corrected() && !exam.has(&[Code::WrongRobot, Code::APrioriScale]) {
+            robot::mirrored::check(exam, recording);
+        }
     }
     time::cutoff::check(exam, recording);
     motion::excitation::check(exam, &recording.with_estimated_parameters());
