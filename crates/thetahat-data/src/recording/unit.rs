@@ -243,9 +243,12 @@ impl fmt::Display for Unit {
 impl FromStr for Unit {
     type Err = UnknownUnit;
 
-    /// A unit by its symbol; `Nm`, `N*m` and `N·m` are `N m`.
+    /// A unit by its symbol; `Nm`, `N*m` and `N·m` are `N m`, and `N mm` is `mN m`.
     fn from_str(symbol: &str) -> Result<Self, UnknownUnit> {
         let letters = |symbol: &str| symbol.replace([' ', '*', '·'], "");
+        if letters(symbol) == "Nmm" {
+            return Ok(Self::MillinewtonMetre);
+        }
         let known = Self::ALL.into_iter().find(|unit| letters(unit.symbol()) == letters(symbol));
         known.ok_or_else(|| UnknownUnit {
             found: symbol.to_owned(),
@@ -284,7 +287,9 @@ mod tests {
         for symbol in ["N m", "Nm", "N*m", "N·m"] {
             assert_eq!(symbol.parse::<Unit>().unwrap(), Unit::NewtonMetre);
         }
-        assert_eq!("mNm".parse::<Unit>().unwrap(), Unit::MillinewtonMetre);
+        for symbol in ["mNm", "Nmm", "N mm"] {
+            assert_eq!(symbol.parse::<Unit>().unwrap(), Unit::MillinewtonMetre);
+        }
         assert!("nm".parse::<Unit>().is_err());
     }
 

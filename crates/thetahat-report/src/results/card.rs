@@ -1,6 +1,7 @@
 //! Summary of the results: the verdict, the recommended numbers, what to do next.
 
 use super::{
+    cause::SmallestShown,
     content::{NOMINAL, Results},
     estimate::EstimateSource,
     grade::Grade,
@@ -46,6 +47,8 @@ pub struct Card {
     pub model_is_doubted: bool,
     /// Whether the estimates are physically consistent; none if that was not examined.
     pub physical: Option<Physical>,
+    /// Errors of the description that these recordings do not show, which the values of parameters would have.
+    pub hidden: Vec<String>,
     /// What to do next, the most urgent action first; at most three.
     pub actions: Vec<String>,
 }
@@ -99,6 +102,7 @@ impl Results {
             model_is_doubted: self.model_is_doubted(),
             case: run.map(|r| r.case.clone()).filter(|_| model.is_none() && self.cases().len() > 1),
             physical: run.and_then(RunResult::physically),
+            hidden: self.model.as_ref().map(|m| SmallestShown::hidden(&m.smallest_shown)).unwrap_or_default(),
             actions: self.next(run),
         }
     }

@@ -186,15 +186,16 @@ impl ModelCause {
     }
 }
 
-/// The smallest error of a kind that the recordings would show.
+/// The smallest error of the description that the recordings would show.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SmallestShown {
     /// What it is.
     pub kind: CauseKind,
     /// Joint or link.
     pub subject: String,
-    /// The size that is named in one of two such recordings, if it is the only error.
-    pub size: f64,
+    /// The size that is named in one of two such recordings, if it is the only error; left out where they can hide any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<f64>,
     /// The same if others of this kind may be wrong too; left out where they can hide any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub size_with_others: Option<f64>,
@@ -206,12 +207,45 @@ impl SmallestShown {
     /// It with its unit: "a wrong gear ratio of joint 2: 0.8 % alone, 5.1 % with others".
     #[must_use]
     pub fn in_words(&self) -> String {
+        let [alone, with_others] = [self.size, self.size_with_others].map(|size| self.sized(size));
+        format!("{}: {alone} alone, {with_others} with others", self.kind.with_subject(&self.subject))
+    }
+
+    fn sized(&self, size: Option<f64>) -> String {
         let (factor, unit) = shown_in(self.kind, &self.unit);
-        let shown = |size: f64| format!("{} {unit}", significant(factor * size, 2));
-        let with_others = self.size_with_others.map_or_else(|| "any size".to_owned(), shown);
-        format!("{}: {} alone, {with_others} with others", self.kind.with_subject(&self.subject), shown(self.size))
+        size.map_or_else(|| "any size".to_owned(), |size| format!("{} {unit}", significant(factor * size, 2)))
+    }
+
+    /// The errors of the description that can hide, by kind: "a wrong gear ratio up to 17 % (joint 6)", "a wrong drive gain of any size
+    /// (joint 5, joint 6)".
+    pub(super) fn hidden(all: &[Self]) -> Vec<String> {
+        let kinds = [
+            CauseKind::GearRatio,
+            CauseKind::DriveGain,
+            CauseKind::EncoderZero,
+            CauseKind::Length,
+            CauseKind::GravityDirection,
+        ];
+        kinds.into_iter().filter_map(|kind| Self::hidden_of_kind(all, kind)).collect()
+    }
+
+    fn hidden_of_kind(all: &[Self], kind: CauseKind) -> Option<String> {
+        let of_kind: Vec<&Self> = all.iter().filter(|s| s.kind == kind).collect();
+        let shown = of_kind.iter().filter_map(|s| Some((s, s.size?)));
+        let largest = shown.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(s, _)| s);
+        let never: Vec<&str> = of_kind.iter().filter(|s| s.size.is_none()).map(|s| s.subject.as_str()).collect();
+        let largest = largest.map(|s| format!("up to {} ({})", s.sized(s.size), s.subject));
+        let never = (!never.is_empty()).then(|| match never.len() {
+            ..=FEW => format!("of any size ({})", never.join(", ")),
+            count => format!("of any size ({count} of {})", of_kind.len()),
+        });
+        let both: Vec<String> = largest.into_iter().chain(never).collect();
+        (!both.is_empty()).then(|| format!("{} {}", kind.words(), both.join(" or ")))
     }
 }
+
+/// Places that are named one by one.
+const FEW: usize = 3;
 
 /// Factor and unit in which a size is written.
 fn shown_in(kind: CauseKind, unit: &str) -> (f64, &str) {

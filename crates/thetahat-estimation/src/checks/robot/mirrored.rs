@@ -1,7 +1,7 @@
 //! Joints that the log counts the other way than the description, in positions and torques.
 //!
-//! Such a log is one of the mirrored robot, and often fits as well as before: first moments and products of inertia then have the
-//! opposite sign. The masses of the description say which of the two robots it is.
+//! Such a log is one of the mirrored robot, and often fits as well as before: first moments then have the opposite sign. The masses of the
+//! description say which of the two robots it is. Products of inertia change their signs as well, but are known too little.
 
 use crate::checks::{
     examination::{Evidence, Examination, FindingText},
@@ -15,13 +15,15 @@ use thetahat_model::robot::{
     Parameter, ParameterTable, Quantity,
 };
 
-/// Deviation of a description's inertial parameter from the true one, relative to its size: the length of the vector of first moments, or
-/// the largest moment of inertia, of which small parts may have either sign.
+/// Deviation of a description's first moment from the true one, relative to the length of the link's vector of first moments, of which small
+/// parts may have either sign.
 const SPREAD: f64 = 0.3;
 /// Largest squared distance that a parameter adds, in such deviations: one that is wrong for another reason decides nothing.
 const MOST: f64 = 16.0;
-/// Difference of the squared distances from which the reversed joint is likelier: two parameters of opposite signs.
-const LIMIT: f64 = 20.0;
+/// Difference of the squared distances from which the reversed joint is likelier: some two parameters of opposite signs.
+const LIMIT: f64 = 15.0;
+/// Largest squared residual of the reversed joint, relative to that of the log as it is: with a worse fit estimates are near to anything.
+const FITS: f64 = 1.05;
 /// Mean squared distance up to which the parameters with the reversed joint agree with the description.
 const AGREES: f64 = 1.5;
 
@@ -29,10 +31,11 @@ const REMEDY: &str = "reverse both in the experiment file: the sign of gain of p
                       [transmission] matrix. If the axis of the description is wrong, correct it there";
 
 pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>) {
-    let Some(inertias) = Inertias::of(recording) else { return };
-    let Some(stated) = inertias.distance(recording) else { return };
+    let Some(moments) = FirstMoments::of(recording) else { return };
+    let Some(stated) = moments.distance(recording) else { return };
+    let Ok(fit) = recording.fit() else { return };
     let (mut reversed, mut nearest) = (Vec::new(), stated);
-    while let Some((joint, distance)) = inertias.best_reversal(recording, &reversed) {
+    while let Some((joint, distance)) = moments.best_reversal(recording, FITS * fit.squares, &reversed) {
         if nearest - distance < LIMIT {
             break;
         }
@@ -40,7 +43,7 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &ThinnedRe
         nearest = distance;
     }
     reversed.sort_unstable();
-    let agrees = nearest < AGREES * inertias.columns.len() as f64;
+    let agrees = nearest < AGREES * moments.columns.len() as f64;
     let value = if agrees { stated - nearest } else { 0.0 };
     let coordinate = if let [joint] = reversed[..] { Some(joint) } else { None };
     let evidence = Evidence {
@@ -56,21 +59,21 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &ThinnedRe
         let joints = if numbers.len() == 1 { "joint" } else { "joints" };
         let numbers = numbers.join(", ");
         let message = format!(
-            "the first moments and products of inertia agree with those of the description only if position and torque of {joints} \
+            "the first moments of the links agree with those of the description only if position and torque of {joints} \
              {numbers} are reversed: the log counts there the other way than the description"
         );
         FindingText::new(message, REMEDY).with_step(correction.step())
     });
 }
 
-/// Parameters of links alone, with the description's values and the sizes of what they are made of.
-struct Inertias {
+/// First moments of links, with the description's values and the sizes of what they are made of.
+struct FirstMoments {
     columns: Vec<usize>,
     described: Vec<f64>,
     sizes: Vec<f64>,
 }
 
-impl Inertias {
+impl FirstMoments {
     /// `None` without masses in the description.
     fn of(recording: &ThinnedRecording<'_>) -> Option<Self> {
         let subject = recording.subject;
@@ -84,9 +87,11 @@ impl Inertias {
             let parts = parameters[c].regrouped.iter().map(|(i, factor)| (factor * sizes[*i]).powi(2));
             (sizes[parameters[c].kept].powi(2) + parts.sum::<f64>()).sqrt()
         };
-        let is_of_links =
-            |c: &usize| of_link(parameters[*c].kept) && parameters[*c].regrouped.iter().all(|(i, _)| of_link(*i));
-        let columns: Vec<usize> = (0..parameters.len()).filter(is_of_links).filter(|&c| size(c) > 0.0).collect();
+        let is_first_moment = |c: &usize| {
+            let kept = table.get(parameters[*c].kept).quantity;
+            matches!(kept, Quantity::Link(Mx | My | Mz)) && parameters[*c].regrouped.iter().all(|(i, _)| of_link(*i))
+        };
+        let columns: Vec<usize> = (0..parameters.len()).filter(is_first_moment).filter(|&c| size(c) > 0.0).collect();
         let sizes = columns.iter().map(|&c| size(c)).collect();
         let described = columns.iter().map(|&c| described[c]).collect();
         (!columns.is_empty()).then_some(Self { columns, described, sizes })
@@ -103,33 +108,32 @@ impl Inertias {
         Some(self.columns.iter().enumerate().map(distance).sum())
     }
 
-    /// The joint whose reversal, with those that are reversed already, brings the estimates nearest to the description.
-    fn best_reversal(&self, recording: &ThinnedRecording<'_>, reversed: &[usize]) -> Option<(usize, f64)> {
+    /// The joint whose reversal, with those that are reversed already, brings the estimates nearest to the description, of those with at most
+    /// so large a squared residual.
+    fn best_reversal(&self, recording: &ThinnedRecording<'_>, most: f64, reversed: &[usize]) -> Option<(usize, f64)> {
         let others = (0..recording.coordinates()).filter(|joint| !reversed.contains(joint));
         let with = others.filter_map(|joint| {
-            let correction = reversal(recording, &[reversed, &[joint]].concat());
-            Some((joint, self.distance(&recording.corrected(&correction))?))
+            let other = recording.corrected(&reversal(recording, &[reversed, &[joint]].concat()));
+            let fits = other.fit().is_ok_and(|fit| fit.squares < most);
+            Some((joint, self.distance(&other).filter(|_| fits)?))
         });
         with.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 }
 
-/// The size of each standard parameter: that of the vector or the matrix of its link of which it is an entry; zero of all others.
+/// The size of each standard parameter: of a first moment that of the vector of its link, of a mass its own, zero of all others.
 fn sizes(table: &ParameterTable, theta: &[f64]) -> Vec<f64> {
-    let of_link =
-        |quantity: LinkQuantity, link: usize| table.index(Quantity::Link(quantity), link).map_or(0.0, |i| theta[i]);
-    let largest =
-        |all: [LinkQuantity; 3], link: usize| all.map(|q| of_link(q, link).abs()).into_iter().fold(0.0, f64::max);
-    let size = |parameter: &Parameter| {
-        let link = parameter.number - 1;
-        match parameter.quantity {
-            Quantity::Link(Mx | My | Mz) => norm(&[Mx, My, Mz].map(|q| of_link(q, link))),
-            Quantity::Link(Xx | Xy | Xz | Yy | Yz | Zz) => largest([Xx, Yy, Zz], link),
-            Quantity::Link(M) => of_link(M, link).abs(),
-            Quantity::Joint(_) | Quantity::Motor(_) | Quantity::Term(_) => 0.0,
+    let moment = |parameter: &Parameter, which: LinkQuantity| {
+        table.index(Quantity::Link(which), parameter.number - 1).map_or(0.0, |i| theta[i])
+    };
+    let size = |(parameter, value): (&Parameter, &f64)| match parameter.quantity {
+        Quantity::Link(Mx | My | Mz) => norm(&[Mx, My, Mz].map(|which| moment(parameter, which))),
+        Quantity::Link(M) => value.abs(),
+        Quantity::Link(Xx | Xy | Xz | Yy | Yz | Zz) | Quantity::Joint(_) | Quantity::Motor(_) | Quantity::Term(_) => {
+            0.0
         }
     };
-    table.iter().map(size).collect()
+    table.iter().zip(theta).map(size).collect()
 }
 
 /// Positions and torques of these joints with the opposite sign.

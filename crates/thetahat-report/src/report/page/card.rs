@@ -7,7 +7,7 @@ use crate::{
         names,
         number::significant,
         text::{
-            card::{physically, uses_in_words, why_not_simulate},
+            card::{hidden, physically, uses_in_words, why_not_simulate},
             grades::{class, is_counted},
         },
     },
@@ -119,7 +119,8 @@ fn facts(card: &Card, verdict: Verdict) -> Vec<(&'static str, String)> {
     let none = (verdict == Verdict::DoNotUse).then(|| ("Parameters to use", "none".to_owned()));
     let uses = (!card.uses.is_empty()).then(|| ("It may be used to", uses_in_words(card)));
     let simulate = why_not_simulate(card).map(|why| ("Simulate with care", why));
-    [method, uses, simulate, error, unseen, physical, none].into_iter().flatten().collect()
+    let hidden = hidden(card).map(|errors| ("Not shown by the recordings", errors));
+    [method, uses, simulate, error, unseen, physical, hidden, none].into_iter().flatten().collect()
 }
 
 /// How many parameters are precise.
@@ -189,6 +190,7 @@ mod tests {
             uses: Vec::new(),
             case: None,
             physical: None,
+            hidden: Vec::new(),
             relative_error_percent: None,
             unseen: None,
             worst_joint: None,

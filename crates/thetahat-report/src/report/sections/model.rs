@@ -7,8 +7,8 @@ use crate::{
         wrap::{TextWidth, wrap},
     },
     results::{
-        CauseKind, ModelCandidate, ModelCause, ModelJointError, ModelParameter, ModelResult, ModelStandardParameter,
-        ModelUse, Results, SmallestShown,
+        ModelCandidate, ModelCause, ModelJointError, ModelParameter, ModelResult, ModelStandardParameter, ModelUse,
+        Results, SmallestShown,
     },
 };
 
@@ -143,21 +143,10 @@ fn causes(model: &ModelResult) -> Option<Table> {
         .iter()
         .filter(|c| !c.rivals.is_empty())
         .map(|c| format!("{} is not separated from {}", c.kind.with_subject(&c.subject), c.rivals.join(", ")));
-    let smallest = (!model.smallest_shown.is_empty()).then(|| {
-        let kinds = [
-            CauseKind::GearRatio,
-            CauseKind::DriveGain,
-            CauseKind::EncoderZero,
-            CauseKind::Length,
-            CauseKind::GravityDirection,
-        ];
-        let least = |kind: &CauseKind| {
-            let of_kind = model.smallest_shown.iter().filter(|s| s.kind == *kind);
-            of_kind.min_by(|a, b| a.size.total_cmp(&b.size)).map(SmallestShown::in_words)
-        };
-        let all = kinds.iter().filter_map(least).collect::<Vec<_>>().join(", ");
-        format!("Smaller errors than these can hide (the others are in results.json): {all}")
-    });
+    let sized: Vec<String> =
+        model.smallest_shown.iter().filter(|s| s.size.is_some()).map(SmallestShown::in_words).collect();
+    let smallest = (!sized.is_empty())
+        .then(|| format!("Errors of the description that would show, and from which size: {}", sized.join("; ")));
     (!model.causes.is_empty() || smallest.is_some()).then(|| Table {
         title: "What the residual says that the model or the recordings are wrong in".to_owned(),
         lead: 1,

@@ -65,6 +65,7 @@ fn facts(card: &Card) -> Vec<(&'static str, String)> {
             .map(|physical| ("physical", physically(physical).to_owned())),
         Some(("parameters", known(card))),
         quotable(card).map(|names| ("quote", names)),
+        hidden(card).map(|errors| ("not shown", errors)),
     ];
     let method =
         (card.verdict == Some(Verdict::DoNotUse)).then(|| ("method", format!("{source} (shown, not recommended)")));
@@ -123,6 +124,12 @@ fn quotable(card: &Card) -> Option<String> {
     let all = card.parameter_count();
     let rest = if precise.len() < all { format!(" (to predict torques, use all {all})") } else { String::new() };
     (card.verdict != Some(Verdict::DoNotUse) && !precise.is_empty()).then(|| precise.join(" ") + &rest)
+}
+
+/// What the values rest on, if any can be quoted.
+pub(in crate::report) fn hidden(card: &Card) -> Option<String> {
+    let is_quoted = card.verdict != Some(Verdict::DoNotUse) && !card.hidden.is_empty();
+    is_quoted.then(|| format!("errors of the description that would be in the values: {}", card.hidden.join("; ")))
 }
 
 /// The most serious reasons, and the number of others.

@@ -29,6 +29,10 @@ pub(super) fn by_name<'a>(
     if found.is_empty() {
         found = in_units_of(source, signal);
     }
+    let is_velocity = |c: &ColumnSummary| source.reading(&c.name).is_some_and(|r| r.signal == Signal::Velocity);
+    if found.is_empty() && signal == Signal::Position && source.columns().any(is_velocity) {
+        return Err("no column looks like it, and velocities are not enough: log the positions".to_owned());
+    }
     let without_idle = || in_order(source, robot, without_idle(&found));
     in_order(source, robot, found.clone()).or_else(|problem| without_idle().map_err(|_| problem))
 }
@@ -49,8 +53,8 @@ pub(super) fn measured<'a>(
     set_aside::parted(source, robot, signal, source.columns().filter(is_of).collect())
 }
 
-/// The columns of a group that have a name in common, `observation.state` of `observation.state.elbow.pos`, in the order of the joints;
-/// none if they are not one for each joint.
+/// The columns of a group that have a name in common, `observation.state` of `observation.state.elbow.pos`, in the order of the joints,
+/// or of the log where their names are not those of the joints; none if they are not one for each joint.
 pub(super) fn of_group<'a>(source: &Source<'a>, robot: &Robot, group: &str) -> Vec<SelectedColumn<'a>> {
     let is_of = |c: &&ColumnSummary| {
         let rest = c.name.strip_prefix(group).and_then(|rest| rest.chars().next());
@@ -58,7 +62,9 @@ pub(super) fn of_group<'a>(source: &Source<'a>, robot: &Robot, group: &str) -> V
     };
     let numbered = |c: &'a ColumnSummary| (c, column_names::number(&c.name));
     let found: Vec<Numbered<'a>> = source.columns().filter(is_of).map(numbered).collect();
-    in_order(source, robot, found).unwrap_or_default()
+    let in_log: Vec<SelectedColumn<'a>> = found.iter().map(|(column, _)| SelectedColumn::of(column)).collect();
+    let in_order = in_order(source, robot, found);
+    in_order.unwrap_or_else(|_| if channels(&in_log) == robot.coordinate_count() { in_log } else { Vec::new() })
 }
 
 /// Whether the name of a column says that it holds a signal, or where that says nothing, the name of its file.

@@ -3,11 +3,25 @@
 use super::super::column_names;
 use thetahat_data::recording::ColumnSummary;
 
-/// The column of each joint, of one channel: the shortest one that contains the joint's name. `None` if no column
-/// has the name, or several equally short ones do.
+/// The column of each joint, of one channel: the shortest one that contains the joint's name, be it in other cases of letters where no
+/// column has the names as they are. `None` if no column has the name, or several equally short ones do.
 pub(super) fn columns_of<'c>(joints: &[&str], columns: &[&'c ColumnSummary]) -> Vec<Option<&'c ColumnSummary>> {
+    let as_written = columns_by(joints, columns, &|name| name.to_owned());
+    if as_written.iter().any(Option::is_some) {
+        return as_written;
+    }
+    columns_by(joints, columns, &|name| name.to_lowercase())
+}
+
+fn columns_by<'c>(
+    joints: &[&str],
+    columns: &[&'c ColumnSummary],
+    written: &dyn Fn(&str) -> String,
+) -> Vec<Option<&'c ColumnSummary>> {
+    let joints: Vec<String> = joints.iter().map(|joint| written(joint)).collect();
     let owner = |column: &str| {
-        let near = (0..joints.len()).filter_map(|j| Some((nearness(column, joints[j])?, j)));
+        let column = written(column);
+        let near = (0..joints.len()).filter_map(|j| Some((nearness(&column, &joints[j])?, j)));
         near.max().map(|(_, j)| j)
     };
     let owners: Vec<Option<usize>> =

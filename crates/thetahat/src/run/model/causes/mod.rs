@@ -249,7 +249,7 @@ impl Limits {
     }
 }
 
-/// The size of an error of the description that would be named, of a cause that is not.
+/// From which size an error of the description would be named, of a cause that is not.
 fn smallest_shown(residual: &Residual, candidate: usize, limits: &Limits) -> Option<SmallestShown> {
     let cause = &residual.candidates[candidate].cause;
     match cause.kind {
@@ -275,22 +275,26 @@ fn smallest_shown(residual: &Residual, candidate: usize, limits: &Limits) -> Opt
         | CauseKind::ZeroShift
         | CauseKind::LatePosition => return None,
     }
-    residual.test(candidate)?.size?;
+    if !cause.members.is_empty() {
+        return None;
+    }
     let beyond = |column: &[f64], count: usize| {
         let size = residual.size_beyond(column, limits.of(cause.kind), count)?;
         Some(size.max(residual.size_explaining(column, LEAST_ERROR_PERCENT)))
     };
-    let size = beyond(residual.column(candidate), 1)?;
-    let with_others = residual.column_with_others(candidate);
+    let is_seen = residual.test(candidate).is_some();
+    let size = if is_seen { beyond(residual.column(candidate), 1) } else { None };
+    let with_others = size.and_then(|_| residual.column_with_others(candidate));
     let with_others = with_others.and_then(|(column, count)| beyond(&column, count));
     let is_gain = cause.kind == CauseKind::DriveGain;
     let largest = if is_gain { LARGEST_GAIN } else { LARGEST };
     let of_cause = |size: f64| if is_gain { of_recorded([size, 0.0])[0] } else { size };
-    (size < largest).then(|| SmallestShown {
+    let sized = |size: Option<f64>| size.filter(|size| *size < largest).map(of_cause);
+    Some(SmallestShown {
         kind: cause.kind,
         subject: cause.subject.clone(),
-        size: of_cause(size),
-        size_with_others: with_others.filter(|size| *size < largest).map(of_cause),
+        size: sized(size),
+        size_with_others: sized(with_others),
         unit: cause.unit.to_owned(),
     })
 }
