@@ -216,36 +216,26 @@ impl SmallestShown {
         size.map_or_else(|| "any size".to_owned(), |size| format!("{} {unit}", significant(factor * size, 2)))
     }
 
-    /// The errors of the description that can hide, by kind: "a wrong gear ratio up to 17 % (joint 6)", "a wrong drive gain of any size
-    /// (joint 5, joint 6)".
+    /// The largest error of each kind that can hide: "gear ratio 17 %", and "drive gain any" where one of any size can.
     pub(super) fn hidden(all: &[Self]) -> Vec<String> {
         let kinds = [
-            CauseKind::GearRatio,
-            CauseKind::DriveGain,
-            CauseKind::EncoderZero,
-            CauseKind::Length,
-            CauseKind::GravityDirection,
+            (CauseKind::GearRatio, "gear ratio"),
+            (CauseKind::DriveGain, "drive gain"),
+            (CauseKind::EncoderZero, "encoder zero"),
+            (CauseKind::Length, "length"),
+            (CauseKind::GravityDirection, "tilt"),
         ];
-        kinds.into_iter().filter_map(|kind| Self::hidden_of_kind(all, kind)).collect()
-    }
-
-    fn hidden_of_kind(all: &[Self], kind: CauseKind) -> Option<String> {
-        let of_kind: Vec<&Self> = all.iter().filter(|s| s.kind == kind).collect();
-        let shown = of_kind.iter().filter_map(|s| Some((s, s.size?)));
-        let largest = shown.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(s, _)| s);
-        let never: Vec<&str> = of_kind.iter().filter(|s| s.size.is_none()).map(|s| s.subject.as_str()).collect();
-        let largest = largest.map(|s| format!("up to {} ({})", s.sized(s.size), s.subject));
-        let never = (!never.is_empty()).then(|| match never.len() {
-            ..=FEW => format!("of any size ({})", never.join(", ")),
-            count => format!("of any size ({count} of {})", of_kind.len()),
-        });
-        let both: Vec<String> = largest.into_iter().chain(never).collect();
-        (!both.is_empty()).then(|| format!("{} {}", kind.words(), both.join(" or ")))
+        let largest = |(kind, noun): (CauseKind, &str)| {
+            let of_kind = || all.iter().filter(|s| s.kind == kind);
+            if of_kind().any(|s| s.size.is_none()) {
+                return Some(format!("{noun} any"));
+            }
+            let largest = of_kind().max_by(|a, b| a.size.unwrap_or(0.0).total_cmp(&b.size.unwrap_or(0.0)))?;
+            Some(format!("{noun} {}", largest.sized(largest.size)))
+        };
+        kinds.into_iter().filter_map(largest).collect()
     }
 }
-
-/// Places that are named one by one.
-const FEW: usize = 3;
 
 /// Factor and unit in which a size is written.
 fn shown_in(kind: CauseKind, unit: &str) -> (f64, &str) {

@@ -119,7 +119,7 @@ fn facts(card: &Card, verdict: Verdict) -> Vec<(&'static str, String)> {
     let none = (verdict == Verdict::DoNotUse).then(|| ("Parameters to use", "none".to_owned()));
     let uses = (!card.uses.is_empty()).then(|| ("It may be used to", uses_in_words(card)));
     let simulate = why_not_simulate(card).map(|why| ("Simulate with care", why));
-    let hidden = hidden(card).map(|errors| ("Not shown by the recordings", errors));
+    let hidden = hidden(card).map(|errors| ("Wrong descriptions that would not show", errors));
     [method, uses, simulate, error, unseen, physical, hidden, none].into_iter().flatten().collect()
 }
 

@@ -143,8 +143,7 @@ fn causes(model: &ModelResult) -> Option<Table> {
         .iter()
         .filter(|c| !c.rivals.is_empty())
         .map(|c| format!("{} is not separated from {}", c.kind.with_subject(&c.subject), c.rivals.join(", ")));
-    let sized: Vec<String> =
-        model.smallest_shown.iter().filter(|s| s.size.is_some()).map(SmallestShown::in_words).collect();
+    let sized: Vec<String> = model.smallest_shown.iter().map(SmallestShown::in_words).collect();
     let smallest = (!sized.is_empty())
         .then(|| format!("Errors of the description that would show, and from which size: {}", sized.join("; ")));
     (!model.causes.is_empty() || smallest.is_some()).then(|| Table {

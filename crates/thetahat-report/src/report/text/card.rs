@@ -126,10 +126,10 @@ fn quotable(card: &Card) -> Option<String> {
     (card.verdict != Some(Verdict::DoNotUse) && !precise.is_empty()).then(|| precise.join(" ") + &rest)
 }
 
-/// What the values rest on, if any can be quoted.
+/// The errors of the description that the recordings do not show, if values can be quoted: these rest on it.
 pub(in crate::report) fn hidden(card: &Card) -> Option<String> {
     let is_quoted = card.verdict != Some(Verdict::DoNotUse) && !card.hidden.is_empty();
-    is_quoted.then(|| format!("errors of the description that would be in the values: {}", card.hidden.join("; ")))
+    is_quoted.then(|| format!("errors of up to: {}", card.hidden.join(", ")))
 }
 
 /// The most serious reasons, and the number of others.

@@ -1,7 +1,7 @@
 //! What the model can be wrong in, tested together.
 //!
 //! The column of a cause is the derivative of the predicted torque by it. What the regressor explains is projected out; the sum
-//! of squares that the rest explains, of rows whitened by the long-run deviations of the residual, is chi-squared where
+//! of squares that the rest explains, of rows whitened by the long-run deviations of the residual without the cause, is chi-squared where
 //! there is no such cause. The strongest cause is put in, and the others are tested again.
 
 mod cause;
@@ -49,6 +49,8 @@ const LEAST_ERROR_PERCENT: f64 = 0.035;
 const LEAST: f64 = -300.0;
 /// Part of the strongest cause's evidence from which another counts as its rival.
 const RIVAL: f64 = 0.6;
+/// Part of the squares that errors of several places explain together, from which that of one place is named instead.
+const ONE_PLACE: f64 = 0.8;
 /// Causes that are put in at most.
 const MOST: usize = 4;
 /// Largest angle, length or change of a ratio that is named, rad, m or 1.
@@ -150,6 +152,7 @@ impl Search<'_> {
         let log10_p = |k: usize| found[k].as_ref().map(|f| f.log10_p).filter(|p| *p < self.limits.of(self.kind(k)));
         let shown = (0..found.len()).filter_map(|k| Some((k, log10_p(k)?)));
         let Some((best, strongest)) = shown.min_by(|a, b| a.1.total_cmp(&b.1)) else { return false };
+        let best = self.one_place(best, &found).filter(|k| log10_p(*k).is_some()).unwrap_or(best);
         let is_rival = |k: &usize| self.is_other(*k, best) && log10_p(*k).is_some_and(|p| p < RIVAL * strongest);
         let moved = |k: usize, found: &Evidence| self.moved(&self.residual, k, found);
         let rivals: Vec<(usize, Vec<MovedParameter>)> =
@@ -166,6 +169,14 @@ impl Search<'_> {
         let named = ModelCause { moved, ..strongest.named(cause(best), names) };
         self.named.push(named);
         true
+    }
+
+    /// The one of several places whose error explains nearly as much as those of all.
+    fn one_place(&self, several: usize, found: &[Option<Evidence>]) -> Option<usize> {
+        let squares = |k: usize| found[k].as_ref().map(|f| f.error_percent.powi(2));
+        let members = self.residual.candidates[several].cause.members.iter();
+        let (place, own) = members.filter_map(|&k| Some((k, squares(k)?))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+        (own > ONE_PLACE * squares(several)?).then_some(place)
     }
 
     /// What each cause that is not put in explains of the rest.
@@ -279,13 +290,12 @@ fn smallest_shown(residual: &Residual, candidate: usize, limits: &Limits) -> Opt
         return None;
     }
     let beyond = |column: &[f64], count: usize| {
-        let size = residual.size_beyond(column, limits.of(cause.kind), count)?;
-        Some(size.max(residual.size_explaining(column, LEAST_ERROR_PERCENT)))
+        let size = residual.size_beyond(column, limits.of(cause.kind), count);
+        size.max(residual.size_explaining(column, LEAST_ERROR_PERCENT))
     };
-    let is_seen = residual.test(candidate).is_some();
-    let size = if is_seen { beyond(residual.column(candidate), 1) } else { None };
+    let size = residual.test(candidate).map(|_| beyond(residual.column(candidate), 1));
     let with_others = size.and_then(|_| residual.column_with_others(candidate));
-    let with_others = with_others.and_then(|(column, count)| beyond(&column, count));
+    let with_others = with_others.map(|(column, count)| beyond(&column, count));
     let is_gain = cause.kind == CauseKind::DriveGain;
     let largest = if is_gain { LARGEST_GAIN } else { LARGEST };
     let of_cause = |size: f64| if is_gain { of_recorded([size, 0.0])[0] } else { size };

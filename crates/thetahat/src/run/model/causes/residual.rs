@@ -18,10 +18,6 @@ const SEEN: f64 = 1e-6;
 const OWN_RANK: f64 = 1e-3;
 /// Least correlation of an instrument with its column.
 const STRONG: f64 = 0.3;
-/// Largest size of a hidden error over the one that a residual without it would show.
-const MOST_HIDDEN: f64 = 10.0;
-/// Halvings between the two.
-const HALVINGS: usize = 30;
 /// Probability below which that of chi-squared is computed by the first term of its tail.
 const LEAST: f64 = 1e-300;
 /// Largest chi-squared that is looked for.
@@ -112,7 +108,7 @@ impl Residual {
         let basis = leading(&factor, rank);
         let along = basis.transpose_times(&self.rest);
         let statistic = dot(&along, &along);
-        let log10_p = log10_tail(statistic, rank)? + (cause.searched as f64).log10();
+        let log10_p = log10_tail(self.without_it(&basis.times(&along)), rank)? + (cause.searched as f64).log10();
         let mut coefficients = vec![0.0; cause.columns.len()];
         seen.iter().zip(basic_solution(&factor, &along)).for_each(|(&column, size)| coefficients[column] = size);
         let size = match cause.columns.len() {
@@ -121,6 +117,19 @@ impl Residual {
         };
         let error_percent = 100.0 * statistic.sqrt() / self.torque;
         statistic.is_finite().then_some(Evidence { log10_p, size, coefficients, error_percent })
+    }
+
+    /// The squares of what a cause explains, in the long-run deviations of the residual without it: an error that is there makes the
+    /// residual's own deviations as large as itself, and would hide.
+    fn without_it(&self, explained: &[f64]) -> f64 {
+        let rest: Vec<f64> = self.rest.iter().zip(explained).map(|(rest, explained)| rest - explained).collect();
+        let joints = self.layout.by_joint(&self.rest).into_iter().zip(self.layout.by_joint(&rest));
+        let joints = joints.zip(self.layout.by_joint(explained));
+        let squares = |((with, without), explained): ((Vec<f64>, Vec<f64>), Vec<f64>)| {
+            let larger = long_run_deviation(&with) / long_run_deviation(&without).max(f64::MIN_POSITIVE);
+            dot(&explained, &explained) * larger.max(1.0).powi(2)
+        };
+        joints.map(squares).sum()
     }
 
     /// What one column explains, by an instrument z: `z^T rest / z^T c`. None if they are not alike.
@@ -137,27 +146,9 @@ impl Residual {
         size.is_finite().then_some(evidence)
     }
 
-    /// The size of an error of one column with which its evidence is so small by chance in one of two recordings; absent if the
-    /// deviations of the residual grow as fast as the error.
-    pub(super) fn size_beyond(&self, column: &[f64], log10_p: f64, count: usize) -> Option<f64> {
-        let wanted = deviations_beyond(log10_p, count).powi(2);
-        let of_joint = |c: &Vec<f64>| [dot(c, c), long_run_deviation(c).powi(2)];
-        let joints: Vec<[f64; 2]> = self.layout.by_joint(column).iter().map(of_joint).collect();
-        // The error is in the residual whose deviations whiten the rows.
-        let evidence = |size: f64| {
-            let square = size * size;
-            joints.iter().map(|[explained, added]| square * explained / (1.0 + square * added)).sum::<f64>()
-        };
-        let least = wanted.sqrt() / norm(column);
-        let (mut low, mut high) = (least, MOST_HIDDEN * least);
-        if evidence(high) < wanted {
-            return None;
-        }
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if evidence(middle) < wanted { low = middle } else { high = middle }
-        }
-        Some(high)
+    /// The size of an error of one column with which its evidence is so small by chance in one of two recordings.
+    pub(super) fn size_beyond(&self, column: &[f64], log10_p: f64, count: usize) -> f64 {
+        deviations_beyond(log10_p, count) / norm(column)
     }
 
     /// The size of an error of one column that explains a part of the torques, percent.
