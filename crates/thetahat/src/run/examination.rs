@@ -68,11 +68,11 @@ fn guessed_unit_of_position() -> Finding {
     )
 }
 
-/// The warning of a torque whose unit was taken from the masses of the description: all torques and masses depend on it.
+/// The warning of a torque whose unit was taken from the masses of the description, or from nothing: all torques and masses depend on it.
 fn guessed_unit_of_torque() -> Finding {
     guessed_unit(
         Code::TorqueScale,
-        "the unit of the torque is a guess from the description's masses: all torques are wrong by a factor if it is another",
+        "the unit of the torque is a guess: all torques, and with them masses and friction, are wrong by a factor if it is another",
         "find the unit in the manual of the drive or the driver, then leave unit_guessed of torque out",
     )
 }

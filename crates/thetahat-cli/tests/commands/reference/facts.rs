@@ -60,7 +60,7 @@ pub const FINDINGS: [[&str; 4]; 45] = [
     [
         "torque-scale",
         "problem, warning",
-        "ratio for torques from the other side of the gears ({checks/torque/hypotheses COMMON_LIMIT} for all joints, {checks/torque/hypotheses SINGLE_LIMIT} for one); a warning where the unit is a guess from the description's masses (`unit_guessed`)",
+        "ratio for torques from the other side of the gears ({checks/torque/hypotheses COMMON_LIMIT} for all joints, {checks/torque/hypotheses SINGLE_LIMIT} for one); a warning where the unit is a guess (`unit_guessed`): from the description's masses, or where the log does not say it and the description has none",
         "correct `side` of the torque, or the ratios in `[transmission]`",
     ],
     [

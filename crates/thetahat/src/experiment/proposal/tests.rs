@@ -256,7 +256,7 @@ fn motors_are_recognised_by_their_range_and_the_robot_s_gears() {
             .text()
     };
     assert!(text(&geared).contains("unit = \"rad\", side = \"motor\" }\n# From 1 to 2"), "{}", text(&geared));
-    assert!(text(&geared).contains("unit = \"N m\", side = \"motor\""));
+    assert!(text(&geared).contains("unit = \"N m\", unit_guessed = true, side = \"motor\""));
     assert!(text(ARM).contains("unit = \"deg\" }") && !text(ARM).contains("motor"), "{}", text(ARM));
 }
 
@@ -629,6 +629,19 @@ fn without_torques_described_links_are_not_estimated() {
     assert!(!text(ARM).contains("drives"), "{}", text(ARM));
 }
 
+/// A torque whose unit the log does not say is a guess where the description has no masses that would contradict it.
+#[test]
+fn the_unit_of_a_torque_is_a_guess_without_masses() {
+    let torque = |header: &str, robot: &str| {
+        let text = proposed_from(&[("log.csv", header)], request(), robot).unwrap().text();
+        text.lines().find(|line| line.starts_with("torque")).unwrap().to_owned()
+    };
+    let described = format!("{ARM}[parameters]\nm1 = 2\nxx1 = 0.1\nyy1 = 0.1\nzz1 = 0.1\n");
+    assert!(torque("t,q1,q2,tau1,tau2", ARM).contains("unit_guessed = true"));
+    assert!(!torque("t,q1,q2,tau1_Nm,tau2_Nm", ARM).contains("unit_guessed"));
+    assert!(!torque("t,q1,q2,tau1,tau2", &described).contains("unit_guessed"));
+}
+
 /// The name of a file is no unit, and drive signals are no torques where the robot has drive gains.
 #[test]
 fn drive_signals_and_names_of_files_are_not_taken_for_torques() {
@@ -636,7 +649,11 @@ fn drive_signals_and_names_of_files_are_not_taken_for_torques() {
     let text = |header: &str| proposed_from(&[("log.csv", header)], request(), &driven).unwrap().text();
     assert!(text("t,q1,q2,vir1,vir2").contains("unit = \"V\", side = \"motor\""), "{}", text("t,q1,q2,vir1,vir2"));
     assert!(text("t,q1,q2,u1,u2").contains("unit = \"V\", side = \"motor\""), "{}", text("t,q1,q2,u1,u2"));
-    assert!(text("t,q1,q2,tau1,tau2").contains("unit = \"N m\" }"), "{}", text("t,q1,q2,tau1,tau2"));
+    assert!(
+        text("t,q1,q2,tau1,tau2").contains("unit = \"N m\", unit_guessed = true }"),
+        "{}",
+        text("t,q1,q2,tau1,tau2")
+    );
     let files = [("q_deg.csv", "t,a,b"), ("tau_mNm.csv", "a,b")];
     let text = proposed_from(&files, request(), ARM).unwrap().text();
     assert!(text.contains("unit = \"rad\"") && text.contains("the name of the file says deg"), "{text}");

@@ -9,7 +9,7 @@ use super::{
 };
 use thetahat_data::recording::{ChannelSummary, Dimension, Side, Unit};
 use thetahat_ground::{linear_algebra::Matrix, one_or_each::OneOrEach};
-use thetahat_model::robot::{Joint, JointKind, Robot};
+use thetahat_model::robot::{Joint, JointKind, Quantity, Robot};
 
 /// Joint angles beyond this, rad, are no joint angles in rad: more than two turns.
 pub(super) const LARGEST_ANGLE: f64 = 4.0 * std::f64::consts::PI;
@@ -132,6 +132,7 @@ impl Units<'_, '_> {
             (Side::Joint | Side::Motor, _) => Side::Motor,
         };
         let named = self.named(Signal::Torque, columns);
+        let is_unsaid = self.request.torque_unit.is_none() && matches!(named, Ok(None)) && !is_drive;
         let (units, why, counts) = match (&self.request.torque_unit, named) {
             (Some(unit), named) => (self.stated("torque", unit, named)?, "as stated".to_owned(), None),
             (None, Err(misfit)) => return Err(self.refused("torque", misfit)),
@@ -142,7 +143,9 @@ impl Units<'_, '_> {
             }
             (None, Ok(None)) => (self.each(Unit::NewtonMetre), self.why_torque(columns), None),
         };
-        let measured = Measured::new(units, side, &why);
+        // Without masses nothing says how large torques are.
+        let unit_guessed = is_unsaid && !self.source.is_bag() && !has_masses(self.robot);
+        let measured = Measured { unit_guessed, ..Measured::new(units, side, &why) };
         if self.request.torque_unit.is_none() {
             self.require_joints(&measured, columns).map_err(|misfit| self.refused("torque", misfit))?;
         }
@@ -486,4 +489,10 @@ pub(super) fn range(columns: &[SelectedColumn<'_>]) -> [f64; 2] {
     let least = channels().filter_map(|c| c.min).fold(f64::INFINITY, f64::min);
     let most = channels().filter_map(|c| c.max).fold(f64::NEG_INFINITY, f64::max);
     [least, most]
+}
+/// Whether the description has an inertial value of any link.
+fn has_masses(robot: &Robot) -> bool {
+    let table = robot.parameter_table();
+    let values = robot.a_priori_parameters_for(&table);
+    table.iter().zip(values).any(|(parameter, value)| matches!(parameter.quantity, Quantity::Link(_)) && value != 0.0)
 }
