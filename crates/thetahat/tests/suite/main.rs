@@ -24,6 +24,7 @@ mod locked_joints;
 #[cfg(feature = "parquet")]
 mod long_parquet;
 mod loops;
+mod mirrored;
 mod missing_values;
 mod model;
 mod models;

@@ -253,6 +253,25 @@ fn gear_ratios_that_hide_each_other_are_named_together() {
     assert!(causes.iter().any(|c| c.kind == CauseKind::GearRatio), "{causes:?}");
 }
 
+/// Friction of joint 2 that is 35 % larger in one direction and smaller in the other: so large an error is in the residual's own
+/// deviations as well.
+#[test]
+fn friction_that_differs_by_direction_is_named_with_its_size() {
+    let clean = recording();
+    let larger = 0.35 * 3.0;
+    let speed = |k: usize| {
+        let position = |k: usize| clean.position.sample(k)[1];
+        0.5 * clean.sample_rate_hz * (position(k + 1) - position(k - 1)).abs()
+    };
+    let mut torque = clean.torque.clone().unwrap();
+    (1..torque.len() - 1).for_each(|k| torque.sample_mut(k)[1] += larger * speed(k));
+    let results = identify(Recording { torque: Some(torque), ..recording() });
+    let strongest = &model(&results).causes[0];
+    assert_eq!((strongest.kind, strongest.subject.as_str()), (CauseKind::AsymmetricFriction, "joint 2"));
+    let size = strongest.size.unwrap();
+    assert!((size / larger - 1.0).abs() < 0.1, "{size} of {larger}");
+}
+
 /// The torque of joint 2 is 15 % too large.
 #[test]
 fn a_wrong_drive_gain_is_named_with_its_size() {

@@ -22,8 +22,9 @@ const SPREAD: f64 = 0.3;
 const MOST: f64 = 16.0;
 /// Difference of the squared distances from which the reversed joint is likelier: some two parameters of opposite signs.
 const LIMIT: f64 = 15.0;
-/// Largest squared residual of the reversed joint, relative to that of the log as it is: with a worse fit estimates are near to anything.
-const FITS: f64 = 1.05;
+/// Largest squared residual of the reversed joint, relative to that of the log as it is: the right robot fits at least as well, and the estimates
+/// of a worse fit are near to anything.
+const FITS: f64 = 1.001;
 /// Mean squared distance up to which the parameters with the reversed joint agree with the description.
 const AGREES: f64 = 1.5;
 
