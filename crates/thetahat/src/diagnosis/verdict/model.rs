@@ -8,8 +8,8 @@ use super::{
 use thetahat_estimation::checks::Code;
 use thetahat_ground::number::significant;
 use thetahat_report::results::{
-    CauseKind, ModelCause, ModelError, ModelJoint, ModelJointError, ModelResult, ModelUse, ReasonCode, ReasonSubject,
-    Results, RunResult, UseGrade, Verdict, VerdictReason,
+    CauseKind, ModelCause, ModelError, ModelJoint, ModelResult, ModelUse, ReasonCode, ReasonSubject, Results,
+    RunResult, UseGrade, Verdict, VerdictReason,
 };
 
 /// Unseen error, percent of all torques, from which the model explains too little.
@@ -24,8 +24,6 @@ const SMALL_TORQUE: f64 = 0.05;
 const FAR_FROM_FIT: f64 = 2.0;
 /// Unseen error, percent of all torques, below which predictions are good.
 const PREDICTS_PERCENT: f64 = 10.0;
-/// The same of each joint.
-const PREDICTS_JOINT_PERCENT: f64 = 20.0;
 /// Part of the residual that its neighbour rows predict, percent of all torques, from which it is no noise.
 const STRUCTURE_PERCENT: f64 = 1.0;
 /// Errors that last for a part of the motion's period, percent of all torques, from which the model lacks something. Clean recordings have
@@ -284,10 +282,8 @@ pub(super) fn uses(results: &Results, model: &ModelResult) -> Vec<ModelUse> {
     };
     let open = open_inertias(results, model);
     let far = reasons.iter().any(|r| r.code == ReasonCode::CrossValidation);
-    let poor = poorly_predicted(results, error);
     let predict = match (error.percent > PREDICTS_PERCENT, far) {
         (true, _) => Some(format!("its error on unseen motion is {} %", significant(error.percent, 3))),
-        (false, _) if !poor.is_empty() => Some(format!("on unseen motion it leaves {}", poor.join(", "))),
         (false, true) => Some("the recordings are little for it: it is good on motion like theirs".to_owned()),
         (false, false) => None,
     };
@@ -319,15 +315,6 @@ pub(super) fn uses(results: &Results, model: &ModelResult) -> Vec<ModelUse> {
         of(UseGrade::Simulate, simulate, ""),
         of(UseGrade::QuoteSingleValues, quote, ""),
     ]
-}
-
-/// What is left of the torque of each joint that is not predicted well.
-fn poorly_predicted(results: &Results, error: &ModelError) -> Vec<String> {
-    let of_joint = |(j, joint): (usize, &ModelJointError)| {
-        let percent = joint.percent.filter(|percent| *percent > PREDICTS_JOINT_PERCENT)?;
-        Some(format!("{} % of {}", significant(percent, 2), results.joint_label(j)))
-    };
-    error.joints.iter().enumerate().filter_map(of_joint).collect()
 }
 
 /// The joints whose inertia the recordings leave open: simulated, they would accelerate wrongly.
