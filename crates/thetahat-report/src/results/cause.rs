@@ -226,12 +226,10 @@ impl SmallestShown {
             (CauseKind::GravityDirection, "tilt"),
         ];
         let largest = |(kind, noun): (CauseKind, &str)| {
-            let of_kind = || all.iter().filter(|s| s.kind == kind);
-            if of_kind().any(|s| s.size.is_none()) {
-                return Some(format!("{noun} any"));
-            }
-            let largest = of_kind().max_by(|a, b| a.size.unwrap_or(0.0).total_cmp(&b.size.unwrap_or(0.0)))?;
-            Some(format!("{noun} {}", largest.sized(largest.size)))
+            // What shows at no size counts as the largest.
+            let size = |s: &&Self| s.size.unwrap_or(f64::INFINITY);
+            let largest = all.iter().filter(|s| s.kind == kind).max_by(|a, b| size(a).total_cmp(&size(b)))?;
+            Some(format!("{noun} {}", largest.size.map_or_else(|| "any".to_owned(), |size| largest.sized(Some(size)))))
         };
         kinds.into_iter().filter_map(largest).collect()
     }

@@ -9,6 +9,7 @@ mod closed_loop;
 #[allow(dead_code)]
 mod coverage;
 mod demo;
+mod described_arm;
 mod design;
 mod design_collision;
 mod dynamics_identities;
@@ -24,7 +25,7 @@ mod locked_joints;
 #[cfg(feature = "parquet")]
 mod long_parquet;
 mod loops;
-mod mirrored;
+
 mod missing_values;
 mod model;
 mod models;

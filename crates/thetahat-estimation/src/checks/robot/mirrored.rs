@@ -61,7 +61,7 @@ pub(in crate::checks) fn check(exam: &mut Examination<'_>, recording: &ThinnedRe
         let numbers = numbers.join(", ");
         let message = format!(
             "the first moments of the links agree with those of the description only if position and torque of {joints} \
-             {numbers} are reversed: the log counts there the other way than the description"
+             {numbers} are reversed: there the log counts the other way than the description"
         );
         FindingText::new(message, REMEDY).with_step(correction.step())
     });
