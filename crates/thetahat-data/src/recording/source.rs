@@ -87,6 +87,10 @@ pub struct ChannelSource {
     /// they are early.
     #[serde(default = "no_delay")]
     pub delay_s: OneOrEach<f64>,
+    /// Time constant of the low-pass filter of first order through which a torque was recorded, s: what a drive or a logger smooths
+    /// (`y += (x - y) dt / T`). The torque before the filter is what is used.
+    #[serde(default)]
+    pub low_pass_s: Option<f64>,
     /// Whether a torque holds until the next sample, as from a sampled controller: it then acts half a step later than it was recorded.
     #[serde(default)]
     pub held: bool,
@@ -145,6 +149,7 @@ impl ChannelSource {
             interleaved: None,
             channel_column: None,
             delay_s: no_delay(),
+            low_pass_s: None,
             held: false,
             unit_guessed: false,
             anywhere: true,
@@ -303,11 +308,23 @@ impl ChannelSource {
         }
     }
 
+    /// The least delay of a channel, s.
+    #[must_use]
+    pub fn least_delay_s(&self) -> f64 {
+        self.delay_s.given().iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether the value at a time is one of other times than its own sample's.
+    #[must_use]
+    pub fn takes_other_samples(&self) -> bool {
+        self.is_delayed() || self.low_pass_s.is_some()
+    }
+
     /// Whether any samples of the signal can be read without the others.
     pub(super) fn can_be_read_in_pieces(&self) -> bool {
         let is_split = self.is_split_time() || self.columns.iter().any(|name| name.contains('+'));
         let is_whole = self.channels_in_rows || self.drop_cut_line || self.episode.is_some() || is_split;
-        self.layout() == Layout::Columns && !is_whole && !self.is_delayed()
+        self.layout() == Layout::Columns && !is_whole && !self.takes_other_samples()
     }
 
     /// Whether a channel has a delay.
@@ -485,6 +502,7 @@ mod tests {
             interleaved: None,
             channel_column: None,
             delay_s: no_delay(),
+            low_pass_s: None,
             held: false,
             unit_guessed: false,
             anywhere: false,

@@ -65,6 +65,11 @@ pub enum RemedyStep {
     },
     /// States that the torques hold until the next sample.
     Hold,
+    /// States that the torques were recorded through a low-pass filter of first order. The delay of filter and signal together stays.
+    LowPass {
+        /// Its time constant, s.
+        time_constant_s: f64,
+    },
     /// Sets the cut-off of the position filter.
     Cutoff {
         /// The cut-off.
@@ -117,6 +122,11 @@ pub enum RemedyStep {
     Gravity {
         /// Its acceleration, m/s^2.
         gravity: [f64; 3],
+    },
+    /// States that the size of another step was estimated from the recordings themselves: intervals count its deviation.
+    Estimated {
+        /// The size, as in `[model] estimated`.
+        size: String,
     },
 }
 

@@ -53,11 +53,13 @@ pub enum CauseKind {
     ZeroShift,
     /// The positions of a joint are recorded late, or early if the delay is negative.
     LatePosition,
+    /// The torques are recorded through a low-pass filter; the size is the time constant of one of first order.
+    TorqueFilter,
 }
 
 impl CauseKind {
     /// All kinds.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::LateTorque,
         Self::EncoderZero,
         Self::GearRatio,
@@ -79,6 +81,7 @@ impl CauseKind {
         Self::TorqueRipple,
         Self::ZeroShift,
         Self::LatePosition,
+        Self::TorqueFilter,
     ];
 
     /// What it is, in words.
@@ -106,6 +109,7 @@ impl CauseKind {
             Self::TorqueRipple => "torque ripple",
             Self::ZeroShift => "an encoder zero that changes",
             Self::LatePosition => "positions that are late",
+            Self::TorqueFilter => "a low-pass filter in the recorded torques",
         }
     }
 
@@ -132,7 +136,8 @@ impl CauseKind {
             | Self::AsymmetricFriction
             | Self::GainDrift
             | Self::TorqueRipple
-            | Self::LatePosition => format!("{} of {subject}", self.words()),
+            | Self::LatePosition
+            | Self::TorqueFilter => format!("{} of {subject}", self.words()),
         }
     }
 }

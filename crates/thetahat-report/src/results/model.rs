@@ -31,6 +31,9 @@ pub struct ModelResult {
     /// Links whose a-priori bodies were guessed from the geometry, from one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub guessed_links: Vec<usize>,
+    /// Sizes in the description that are estimated from the recordings, with their deviations in the intervals: `[model] estimated`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub estimated_sizes: Vec<String>,
     /// Velocity v of `tanh(dq / v)`, the sign of the Coulomb friction, rad/s (m/s where all joints slide).
     pub friction_transition: f64,
     /// The same of joints that slide, m/s, where others turn.

@@ -24,6 +24,7 @@ mod error;
 mod floating;
 mod identified;
 mod locked_motion;
+mod low_pass;
 mod missing_values;
 mod paths;
 mod power;

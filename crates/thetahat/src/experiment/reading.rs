@@ -10,6 +10,7 @@ use super::{
     description::{Experiment, RecordingDescription},
     error::ExperimentError,
     floating::after_base,
+    low_pass::before_low_pass,
     missing_values::complete_samples,
     repeated_rows::{bridged, repeated_rows},
     straight_lines::{Straightened, without_straight_lines},
@@ -72,8 +73,10 @@ impl Experiment {
         let mut recording = if is_held { recording.with_held_torque() } else { recording };
         recording.position_unit_guessed = description.position.unit_guessed;
         recording.torque_unit_guessed = description.torque.as_ref().is_some_and(|torque| torque.unit_guessed);
+        recording.torque_delay_s = description.torque.as_ref().map_or(0.0, ChannelSource::least_delay_s);
         let recording = recording.unwrapped(&self.robot);
-        let recording = without_delays(recording.into_equal_steps(&clock), description);
+        let recording = without_filter(recording.into_equal_steps(&clock), description);
+        let recording = without_delays(recording, description);
         let recording = without_intervals(recording, &description.left_out_s).map_err(|e| self.refuse(e))?;
         let recording = self.with_contacts(description, recording)?;
         Ok(match &description.reference_correction {
@@ -166,6 +169,14 @@ impl Experiment {
         let place = source.path(data).display().to_string();
         Err(self.refuse(PreparationError::JointCount { place, expected, found }))
     }
+}
+
+/// The recording with the torques before their filter.
+fn without_filter(recording: Recording, description: &RecordingDescription) -> Recording {
+    let filter_s = description.torque.as_ref().and_then(|torque| torque.low_pass_s);
+    let Some((torque, filter_s)) = recording.torque.as_ref().zip(filter_s) else { return recording };
+    let torque = before_low_pass(torque, filter_s * recording.sample_rate_hz);
+    Recording { torque: Some(torque), ..recording }
 }
 
 /// The recording without samples that were written twice, which its notes name.

@@ -12,6 +12,8 @@ use thetahat_model::robot::{EXPECTED_GRAVITY, JointKind, is_gravity};
 /// Longest rest of a twin, s.
 const LONGEST_REST_S: f64 = 3600.0;
 
+/// Longest time constant of a filter of the torques, s.
+const LONGEST_FILTER_S: f64 = 1.0;
 /// Longest delay of a signal, s.
 const LONGEST_DELAY_S: f64 = 60.0;
 
@@ -127,6 +129,13 @@ impl Experiment {
         let others: Vec<&ChannelSource> = optional.chain(recording.channels.values()).collect();
         let held = recording.position.held || others.iter().any(|source| source.held);
         self.require(!held, "[recording] held", "for the torque alone", held)?;
+        let filters: Vec<f64> =
+            others.iter().chain([&&recording.position]).filter_map(|source| source.low_pass_s).collect();
+        self.require(filters.is_empty(), "[recording] low_pass_s", "for the torque alone", "that of another signal")?;
+        if let Some(time_s) = recording.torque.as_ref().and_then(|torque| torque.low_pass_s) {
+            let is_filter = time_s > 0.0 && time_s <= LONGEST_FILTER_S;
+            self.require(is_filter, "[recording] torque: low_pass_s", "above 0, and at most 1 s", time_s)?;
+        }
         let guessed = others.iter().any(|source| source.unit_guessed);
         self.require(!guessed, "[recording] unit_guessed", "for position and torque alone", guessed)
     }

@@ -16,6 +16,7 @@
 mod consistent_set;
 mod described_links;
 mod error;
+mod estimated_size;
 mod filtered;
 mod loop_parameters;
 mod near_rest;
@@ -37,6 +38,8 @@ mod wrapped;
 pub(crate) use consistent_set::consistent_set_of;
 pub(crate) use described_links::describes_links;
 pub use error::PreparationError;
+#[doc(hidden)]
+pub use estimated_size::EstimatedSize;
 pub(crate) use filtered::{
     FilteredRecording, MOVING, MotionOfRecording, STILL, accelerates, distorted_samples, near_ends, torques, window_of,
 };

@@ -41,6 +41,9 @@ pub struct Recording {
     /// Whether the unit of its torques is a guess from the masses of the description.
     #[doc(hidden)]
     pub torque_unit_guessed: bool,
+    /// The least delay that was stated of its torques, and taken off, s.
+    #[doc(hidden)]
+    pub torque_delay_s: f64,
     /// A column of times in its file and their rate, Hz, where another rate is stated.
     pub contradicting_times: Option<(String, f64)>,
     /// What was changed when it was read, in sentences: angles unwrapped, copies left out, a coarse clock.
@@ -101,6 +104,7 @@ impl Recording {
             notes_of_base: Vec::new(),
             position_unit_guessed: false,
             torque_unit_guessed: false,
+            torque_delay_s: 0.0,
             contradicting_times: None,
             notes: Vec::new(),
             window_s: [None, None],

@@ -3,6 +3,7 @@ use std::{collections::BTreeMap, fmt};
 use serde::Deserialize;
 
 use super::{
+    estimated_size::EstimatedSize,
     loop_parameters::LoopParameter,
     payload::Payload,
     physical::{KnownQuantity, PriorOptions},
@@ -234,7 +235,7 @@ impl SignalOptions {
 }
 
 /// What the model does not have to find: a stated value is the only candidate.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ModelOptions {
     /// Weight of the belief in the a-priori robot, in long-run variances of the residual.
@@ -243,6 +244,9 @@ pub struct ModelOptions {
     pub friction_transition: Option<f64>,
     /// The same of joints that slide, m/s, where others turn: with friction_transition, which without it is that of all joints.
     pub friction_transition_sliding: Option<f64>,
+    /// Sizes in the description that were estimated from these recordings: their deviations count in the intervals. `"gravity-direction"`,
+    /// `"torque-filter"`, `"lag"`, or of joint 2 `"gear-ratio-2"`, `"position-scale-2"`, `"drive-gain-2"`, `"lag-2"`.
+    pub estimated: Vec<EstimatedSize>,
 }
 
 impl ModelOptions {

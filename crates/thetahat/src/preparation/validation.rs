@@ -47,7 +47,7 @@ impl Settings {
             self.validate_open_loop(controller)?;
         }
         self.validate_payloads(robot)?;
-        self.validate_model()?;
+        self.validate_model(robot)?;
         self.validate_simulation()
     }
 
@@ -87,8 +87,12 @@ impl Settings {
         }
     }
 
-    fn validate_model(&self) -> Checked {
-        let ModelOptions { belief_weight, friction_transition, friction_transition_sliding } = self.model;
+    fn validate_model(&self, robot: &Robot) -> Checked {
+        let ModelOptions { belief_weight, friction_transition, friction_transition_sliding, ref estimated } =
+            self.model;
+        if let Some(size) = estimated.iter().find(|size| !size.is_of(robot)) {
+            return Err(PreparationError::value("[model] estimated", "numbers of joints that move", size));
+        }
         let stated = [
             ("[model] belief_weight", belief_weight),
             ("[model] friction_transition", friction_transition),

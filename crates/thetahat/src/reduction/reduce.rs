@@ -71,6 +71,10 @@ impl Experiment {
                 "a robot whose base is fixed: a reduction does not read [recording.base]; use thetahat identify";
             return Err(self.refuse(PreparationError::value("robot", expected, "a base that floats")).into());
         }
+        if let Some(size) = self.settings.model.estimated.first() {
+            let expected = "none: a reduction has no column for them; use thetahat identify";
+            return Err(self.refuse(PreparationError::value("[model] estimated", expected, size)).into());
+        }
         self.settings.require_stated_cutoff("a reduction reads in pieces").map_err(|e| self.refuse(e))?;
         let Basis { model, base } = self.setup().basis(&Case::nominal()).map_err(|e| self.refuse(e))?;
         let theta = instruments.map(|named| self.base_values(&model, &base, named)).transpose()?;

@@ -70,7 +70,7 @@ impl<'a> Source<'a> {
             return Err(experiment.missing("[recording] torque", why).into());
         };
         let (sources, places) = sources_of(description, torque, simulated);
-        if sources.iter().any(|source| source.is_delayed()) {
+        if sources.iter().any(|source| source.takes_other_samples()) {
             return Self::whole(experiment, description, (number, data));
         }
         let Some(signals) = SignalPieces::open(&sources, data).map_err(ExperimentError::from)? else {

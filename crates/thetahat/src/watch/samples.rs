@@ -93,8 +93,8 @@ impl GrowingText {
         let named: Vec<_> = [("the position", &description.position)].into_iter().chain(torque).chain(time).collect();
         for (signal, source) in &named {
             let refuse = |why| Err(WatchError::NotInText { path: request.recording.clone(), signal, why });
-            if source.is_delayed() {
-                return refuse("has a delay_s");
+            if source.takes_other_samples() {
+                return refuse("has a delay_s or a low_pass_s");
             }
             if !SignalStream::can_read(source) {
                 return refuse("is not one column for each channel");

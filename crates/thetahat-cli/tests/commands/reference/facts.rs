@@ -7,7 +7,7 @@ pub fn named(of: &str) -> Option<&'static str> {
         "f64" => "number",
         "u8" | "u32" | "u64" | "usize" => "whole number",
         "bool" => "`true` or `false`",
-        "String" => "text",
+        "String" | "EstimatedSize" => "text",
         "char" => "character",
         "PathBuf" => "path",
         "Unit" => "[unit](recordings.md#units)",

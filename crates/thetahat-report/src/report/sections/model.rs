@@ -43,10 +43,16 @@ fn what(model: &ModelResult) -> String {
         [] => String::new(),
         _ => " The bodies that the description lacks are guessed from its geometry.".to_owned(),
     };
+    let estimated = match model.estimated_sizes.as_slice() {
+        [] => String::new(),
+        sizes => {
+            format!(" Estimated from the recordings too, with the deviation in the intervals: {}.", sizes.join(", "))
+        }
+    };
     format!(
         "The physically consistent robot that predict, export, generate and sample use. Before the recordings each a-priori body \
          is believed to {} % (weight {}), friction and motor inertias to a factor of three. Coulomb friction changes its sign as \
-         {}.{}{guessed}",
+         {}.{}{guessed}{estimated}",
         significant(model.belief_percent, 2),
         significant(model.belief_weight, 3),
         sign(model),

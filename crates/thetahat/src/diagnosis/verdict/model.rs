@@ -35,6 +35,8 @@ const PAYLOAD_PERCENT: f64 = 2.0;
 /// controller old.
 const LATE_SAMPLES: f64 = 0.75;
 const LATE_S: f64 = 1e-3;
+/// Sample periods of a delay where a filter of the torques is estimated, of which it is a part: a torque that is held is half a sample late.
+const LATE_FILTER_SAMPLES: f64 = 0.6;
 /// Torque of a joint, relative to the largest, that is rounding.
 const NO_TORQUE: f64 = 1e-9;
 /// Percent of the base parameters that the recordings must have decided for simulations to rest on them.
@@ -145,7 +147,8 @@ fn cause(results: &Results, found: &ModelCause) -> Option<VerdictReason> {
         | CauseKind::GainDrift
         | CauseKind::TorqueRipple
         | CauseKind::ZeroShift
-        | CauseKind::LatePosition => Verdict::Care,
+        | CauseKind::LatePosition
+        | CauseKind::TorqueFilter => Verdict::Care,
     };
     let size = found.size_in_words().map(|size| format!(", {size}")).unwrap_or_default();
     let rivals = match found.rivals.as_slice() {
@@ -209,6 +212,9 @@ fn remedy(results: &Results, found: &ModelCause) -> String {
             "add a [[term]] of kind motor-harmonics; its harmonics are multiples of the motor's angle".to_owned()
         }
         CauseKind::LatePosition => "record the positions of all joints at the same instants".to_owned(),
+        CauseKind::TorqueFilter => {
+            "record the torques without the filter, or with a cut-off far above the motion".to_owned()
+        }
         CauseKind::ZeroShift => "cut the recording there, and check the encoder and what turns it".to_owned(),
         CauseKind::AsymmetricFriction => "add a [[term]] of kind asymmetric-viscous".to_owned(),
         CauseKind::JointSpring => "add a [[term]] of kind joint-spring, if a spring or a cable acts there".to_owned(),
@@ -250,7 +256,8 @@ fn early_at_reversals(results: &Results, model: &ModelResult) -> Option<VerdictR
 /// The least delay of torques that is worth a correction.
 fn least_delay_s(results: &Results) -> f64 {
     let period = results.recordings.first().map_or(0.0, |r| 1.0 / r.sample_rate_hz);
-    (LATE_SAMPLES * period).max(LATE_S)
+    let is_filtered = results.model.iter().flat_map(|model| &model.estimated_sizes).any(|size| size == "torque-filter");
+    if is_filtered { LATE_FILTER_SAMPLES * period } else { (LATE_SAMPLES * period).max(LATE_S) }
 }
 
 /// `100 sqrt(sum_j r_j e_j^2 / sum_j tau_j^2)` of the joints' residuals e, with the correlation r of neighbouring rows above that of

@@ -27,6 +27,7 @@ pub(super) fn is_of_recording(step: &RemedyStep) -> bool {
         | RemedyStep::Side { .. }
         | RemedyStep::Delay { .. }
         | RemedyStep::Hold
+        | RemedyStep::LowPass { .. }
         | RemedyStep::EqualSteps { .. }
         | RemedyStep::LeaveOutTimes { .. }
         | RemedyStep::CorrectReference { .. } => true,
@@ -35,7 +36,8 @@ pub(super) fn is_of_recording(step: &RemedyStep) -> bool {
         | RemedyStep::Essential { .. }
         | RemedyStep::LockJoint { .. }
         | RemedyStep::AddTerm { .. }
-        | RemedyStep::Gravity { .. } => false,
+        | RemedyStep::Gravity { .. }
+        | RemedyStep::Estimated { .. } => false,
     }
 }
 
@@ -46,6 +48,7 @@ pub(super) fn moves_position(step: &RemedyStep) -> bool {
         RemedyStep::Scale { position, .. } => !position.is_empty(),
         RemedyStep::Delay { .. }
         | RemedyStep::Hold
+        | RemedyStep::LowPass { .. }
         | RemedyStep::EqualSteps { .. }
         | RemedyStep::CorrectReference { .. }
         | RemedyStep::Cutoff { .. }
@@ -54,6 +57,7 @@ pub(super) fn moves_position(step: &RemedyStep) -> bool {
         | RemedyStep::Essential { .. }
         | RemedyStep::LockJoint { .. }
         | RemedyStep::AddTerm { .. }
-        | RemedyStep::Gravity { .. } => false,
+        | RemedyStep::Gravity { .. }
+        | RemedyStep::Estimated { .. } => false,
     }
 }

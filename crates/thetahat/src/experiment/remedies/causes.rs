@@ -1,7 +1,10 @@
 //! Causes that the model names and a setting mends.
 
 use super::candidate::{Candidate, moves_position};
-use crate::experiment::description::{Experiment, RecordingDescription};
+use crate::{
+    experiment::description::{Experiment, RecordingDescription},
+    preparation::EstimatedSize,
+};
 use thetahat_estimation::checks::Code;
 use thetahat_ground::vector::{IDENTITY, Vec3, axis_angle, times};
 use thetahat_report::results::{CauseKind, ModelCause, RecordingStep, RemedyStep};
@@ -20,6 +23,7 @@ fn of_cause(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
     match cause.kind {
         CauseKind::LateTorque => of_delay(experiment, cause),
         CauseKind::GearRatio | CauseKind::DriveGain => of_scale(experiment, cause),
+        CauseKind::TorqueFilter => of_filter(experiment, cause),
         CauseKind::JointSpring => of_term(experiment, cause, "joint-spring").into_iter().collect(),
         CauseKind::AsymmetricFriction => of_term(experiment, cause, "asymmetric-viscous").into_iter().collect(),
         CauseKind::LoadFriction => {
@@ -46,7 +50,7 @@ fn of_cause(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
 }
 
 /// A step that changes the robot.
-fn of_robot(step: RemedyStep) -> RecordingStep {
+pub(super) fn of_robot(step: RemedyStep) -> RecordingStep {
     RecordingStep { recording: None, held_back: false, with_reference: false, with_velocity: false, step }
 }
 
@@ -92,6 +96,25 @@ fn of_delay(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
     let step = RemedyStep::Delay { delay_s, joints: vec![coordinate + 1] };
     let code = format!("{}-{}", Code::Lag.name(), experiment.robot.joint_of(coordinate) + 1);
     in_every_recording(experiment, cause, &code, &step)
+}
+
+/// A filter of the torques. At first the whole delay is taken for the filter's; later the filter is corrected by what is left.
+fn of_filter(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
+    let estimated = &experiment.settings.model.estimated;
+    let torque = experiment.file.recording.first().and_then(|recording| recording.torque.as_ref());
+    let Some((torque, size)) = torque.zip(cause.size) else { return Vec::new() };
+    let is_late = estimated.contains(&EstimatedSize::Lag(None));
+    let delay_s = torque.least_delay_s();
+    let time_constant_s = match torque.low_pass_s {
+        None if is_late && delay_s > 0.0 => delay_s,
+        None => size.max(0.0),
+        Some(stated) if estimated.contains(&EstimatedSize::TorqueFilter) => {
+            (stated * stated + size * size.abs()).max(0.0).sqrt()
+        }
+        Some(_) => return Vec::new(),
+    };
+    let step = RemedyStep::LowPass { time_constant_s: (1e6 * time_constant_s).round() / 1e6 };
+    in_every_recording(experiment, cause, "torque-filter", &step)
 }
 
 /// Positions that are too large by a ratio, and torques that are too small by it, or torques that are too large, in every recording. A

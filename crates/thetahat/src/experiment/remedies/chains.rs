@@ -84,12 +84,14 @@ fn joints_of(step: &RemedyStep, n: usize) -> Vec<usize> {
         | RemedyStep::EqualSteps { .. }
         | RemedyStep::CorrectReference { .. }
         | RemedyStep::Cutoff { .. }
+        | RemedyStep::LowPass { .. }
         | RemedyStep::LeaveOutRests
         | RemedyStep::LeaveOutTimes { .. }
         | RemedyStep::Essential { .. }
         | RemedyStep::LockJoint { .. }
         | RemedyStep::AddTerm { .. }
-        | RemedyStep::Gravity { .. } => Vec::new(),
+        | RemedyStep::Gravity { .. }
+        | RemedyStep::Estimated { .. } => Vec::new(),
     }
 }
 

@@ -2,8 +2,9 @@
 
 use super::{
     candidate::{Candidate, is_of_recording, moves_position},
-    causes::of_causes,
+    causes::{of_causes, of_robot},
     chains::{chained, together},
+    estimated::estimated_size,
     label::label,
     steps::Draft,
 };
@@ -202,6 +203,8 @@ fn remedy(experiment: &Experiment, code: &str, all: &[Candidate]) -> Option<Reme
     if matches!(first.step.step, RemedyStep::LockJoint { .. } | RemedyStep::Gravity { .. }) {
         steps.truncate(1);
     }
+    let size = estimated_size(first, &experiment.robot).map(|size| size.to_string());
+    steps.extend(size.map(|size| of_robot(RemedyStep::Estimated { size })));
     let mut draft = Draft::of(experiment);
     steps.iter().try_for_each(|step| draft.make(step))?;
     let chain = first.before.iter().chain([&first.step]);

@@ -39,6 +39,9 @@ pub(super) fn label(step: &RemedyStep, changes: &[SettingChange], robot: &Robot)
             format!("Torque{of} {} ms {order}", significant(1e3 * delay_s.abs(), 3))
         }
         RemedyStep::Hold => "Torque held until the next sample".to_owned(),
+        RemedyStep::LowPass { time_constant_s } => {
+            format!("Torque before a low-pass filter of {} ms", significant(1e3 * time_constant_s, 3))
+        }
         RemedyStep::Cutoff { cutoff_hz } => format!("Cut-off {cutoff_hz} Hz"),
         RemedyStep::EqualSteps { sample_rate_hz } => format!("Equal steps at {} Hz", significant(*sample_rate_hz, 6)),
         RemedyStep::LeaveOutRests => "Leave out samples near rest".to_owned(),
@@ -58,6 +61,7 @@ pub(super) fn label(step: &RemedyStep, changes: &[SettingChange], robot: &Robot)
         RemedyStep::Gravity { gravity } => {
             format!("Gravity [{}] m/s^2", gravity.map(|g| fixed(g, 3)).join(", "))
         }
+        RemedyStep::Estimated { size } => format!("Count the deviation of {size} in the intervals"),
     }
 }
 

@@ -11,6 +11,7 @@ mod causes;
 mod chains;
 mod channels;
 mod collect;
+mod estimated;
 mod label;
 mod steps;
 mod text;

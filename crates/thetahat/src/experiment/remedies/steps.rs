@@ -8,7 +8,10 @@ use super::{
     channels::{Channels, Entry, one_or_list},
     text::{Change, with_table_of_array},
 };
-use crate::experiment::description::{ExperimentFile, RecordingDescription, parse};
+use crate::{
+    experiment::description::{ExperimentFile, RecordingDescription, parse},
+    preparation::EstimatedSize,
+};
 use thetahat_data::recording::ChannelSource;
 use thetahat_model::robot::{Robot, TermDescription};
 use thetahat_report::results::{RecordingStep, RemedySignal, RemedyStep, SettingChange};
@@ -34,6 +37,10 @@ impl Draft<'_> {
     pub(super) fn make(&mut self, step: &RecordingStep) -> Option<()> {
         if let RemedyStep::AddTerm { term, joints } = &step.step {
             self.add_term(term, joints)?;
+            return self.read_again();
+        }
+        if let RemedyStep::Estimated { size } = &step.step {
+            self.count_as_estimated(size)?;
             return self.read_again();
         }
         let (changes, count) = self.changes_of(step)?;
@@ -70,6 +77,31 @@ impl Draft<'_> {
         Some(())
     }
 
+    /// Adds a size to those that were estimated from the recordings, unless it is there.
+    fn count_as_estimated(&mut self, size: &str) -> Option<()> {
+        let mut all: Vec<String> = self.estimated()?.iter().map(ToString::to_string).collect();
+        if all.iter().any(|other| other == size) {
+            return Some(());
+        }
+        all.push(size.to_owned());
+        let change = Change::new(&["model", "estimated"], 0, Value::from(all));
+        let before = change.before(&self.text).map(|value| value.to_string());
+        self.text = change.made_in(&self.text)?;
+        let after = change.value.as_ref().map(ToString::to_string);
+        self.changes.push(SettingChange { key: change.key(1), before, after });
+        Some(())
+    }
+
+    /// The sizes that were estimated from the recordings.
+    fn estimated(&self) -> Option<Vec<EstimatedSize>> {
+        Some(parse(&self.text, Path::new("")).ok()?.1.model.estimated)
+    }
+
+    /// The time constant of the filter of a torque, where it was estimated from the recordings.
+    fn estimated_filter(&self, torque: &ChannelSource) -> Option<f64> {
+        torque.low_pass_s.filter(|_| self.estimated().is_some_and(|sizes| sizes.contains(&EstimatedSize::TorqueFilter)))
+    }
+
     /// The changes, and the number of tables in the array that they are in.
     fn changes_of(&self, step: &RecordingStep) -> Option<(Vec<Change>, usize)> {
         match &step.step {
@@ -86,12 +118,13 @@ impl Draft<'_> {
             RemedyStep::Gravity { gravity } => {
                 Some((vec![Change::new(&["gravity"], 0, Value::from(gravity.to_vec()))], 1))
             }
-            RemedyStep::AddTerm { .. } => None,
+            RemedyStep::AddTerm { .. } | RemedyStep::Estimated { .. } => None,
             RemedyStep::OrderJoints { .. }
             | RemedyStep::Scale { .. }
             | RemedyStep::Side { .. }
             | RemedyStep::Delay { .. }
             | RemedyStep::Hold
+            | RemedyStep::LowPass { .. }
             | RemedyStep::EqualSteps { .. }
             | RemedyStep::LeaveOutTimes { .. }
             | RemedyStep::CorrectReference { .. } => {
@@ -152,12 +185,26 @@ impl Draft<'_> {
             RemedyStep::Side { signal, at_motor } => {
                 self.of_signals(target, step, *signal, &|channels| channels.at_side(*at_motor))
             }
-            RemedyStep::Delay { delay_s, joints } => {
-                Some(vec![target.change(&["torque", "delay_s"], self.delayed(torque()?, *delay_s, joints))])
-            }
+            RemedyStep::Delay { delay_s, joints } => match self.estimated_filter(torque()?) {
+                // What is late after a filter that is estimated is of the filter.
+                Some(filter_s) if joints.is_empty() => {
+                    let filter_s = (1e6 * (filter_s + delay_s)).round() / 1e6;
+                    Some(vec![target.change(&["torque", "low_pass_s"], Value::from(filter_s))])
+                }
+                Some(_) | None => {
+                    Some(vec![target.change(&["torque", "delay_s"], self.delayed(torque()?, *delay_s, joints))])
+                }
+            },
             RemedyStep::Hold => {
                 torque()?;
                 Some(vec![target.change(&["torque", "held"], Value::from(true))])
+            }
+            RemedyStep::LowPass { time_constant_s } => {
+                let before_s = torque()?.low_pass_s.unwrap_or(0.0);
+                let filter = (*time_constant_s > 0.0).then(|| Value::from(*time_constant_s));
+                let delay = self.delayed(torque()?, before_s - time_constant_s, &[]);
+                let changes = [("low_pass_s", filter), ("delay_s", Some(delay))];
+                Some(changes.map(|(key, value)| target.change(&["torque", key], value)).to_vec())
             }
             RemedyStep::EqualSteps { sample_rate_hz } => Some(vec![
                 target.change(&["time"], None),
@@ -182,7 +229,8 @@ impl Draft<'_> {
             | RemedyStep::Essential { .. }
             | RemedyStep::LockJoint { .. }
             | RemedyStep::AddTerm { .. }
-            | RemedyStep::Gravity { .. } => None,
+            | RemedyStep::Gravity { .. }
+            | RemedyStep::Estimated { .. } => None,
         }
     }
 

@@ -27,7 +27,7 @@ pub(crate) fn kinds(setup: Setup<'_>) -> Vec<JointKind> {
 
 /// The velocities at which friction changes its sign from which one is chosen.
 pub(crate) fn transitions(setup: Setup<'_>) -> Vec<FrictionTransition> {
-    let model = setup.settings.model;
+    let model = &setup.settings.model;
     if let Some(turning) = model.friction_transition {
         return vec![FrictionTransition { turning, sliding: model.friction_transition_sliding.unwrap_or(turning) }];
     }

@@ -22,9 +22,9 @@ pub(super) struct Intervals<'a> {
 
 impl<'a> Intervals<'a> {
     /// Weighted least squares in rows of the model where the friction has its sign: near rest its errors depend on the motion.
-    /// With a delay of the torques, whose column is given, the estimates are those of torques that are not late.
-    pub(super) fn new(rows: &ModelRows, deviations: &[f64], delay: Option<Vec<f64>>, runs: &'a [RunResult]) -> Self {
-        Self { of_rows: of_rows(rows, deviations, delay).unwrap_or_default(), run: free_run(runs) }
+    /// What else is estimated, as a delay of the torques, has columns of its own.
+    pub(super) fn new(rows: &ModelRows, deviations: &[f64], others: &[Vec<f64>], runs: &'a [RunResult]) -> Self {
+        Self { of_rows: of_rows(rows, deviations, others).unwrap_or_default(), run: free_run(runs) }
     }
 
     /// The same from triangular factors of these rows, by the scores of the stretches of time.
@@ -46,11 +46,11 @@ impl<'a> Intervals<'a> {
     }
 }
 
-fn of_rows(rows: &ModelRows, deviations: &[f64], delay: Option<Vec<f64>>) -> Option<Vec<Option<[f64; 2]>>> {
+fn of_rows(rows: &ModelRows, deviations: &[f64], others: &[Vec<f64>]) -> Option<Vec<Option<[f64; 2]>>> {
     let whitening = rows.layout.spread(|block| 1.0 / deviations[block.joint]);
     let weights = whitening.iter().zip(&rows.weights).map(|(a, b)| a * b).collect();
-    let delay = Matrix::from_columns(rows.y.len(), delay.unwrap_or_default());
-    let x = Matrix::side_by_side(&[&rows.x, &delay.scale_rows(&rows.kept())]);
+    let others = Matrix::from_columns(rows.y.len(), others.concat());
+    let x = Matrix::side_by_side(&[&rows.x, &others.scale_rows(&rows.kept())]);
     let regression = Regression::new(x, rows.y.clone(), rows.layout.clone()).with_weights(Some(weights));
     intervals_of(regression, |regression, fit| uncertainty(Method::IDIM_LS, regression, None, fit).ok())
 }

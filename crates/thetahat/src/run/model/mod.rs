@@ -162,7 +162,8 @@ fn add_causes_in_model(model: &mut ModelResult, described: Vec<ModelCause>) {
         | CauseKind::GainDrift
         | CauseKind::TorqueRipple
         | CauseKind::ZeroShift
-        | CauseKind::LatePosition => false,
+        | CauseKind::LatePosition
+        | CauseKind::TorqueFilter => false,
     };
     if model.terms.is_empty() {
         return;

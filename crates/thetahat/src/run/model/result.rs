@@ -78,9 +78,10 @@ impl ChosenLaw<'_, '_> {
         let turning = turning(&identification.main, rows, (transition, &kinds(identification.setup())));
         let found = (&choice.standard[..], &choice.deviations[..], transition);
         let found = causes(identification, problem, rows, &turning, found, friction);
-        // The runs are of the robot without the terms.
-        let runs = if terms.is_empty() { runs } else { &[] };
-        let intervals = Intervals::new(&rows.without(&turning), &choice.deviations, found.delay.clone(), runs);
+        // The runs are of the robot without the terms, and take estimated sizes as exact.
+        let is_of_runs = terms.is_empty() && identification.setup().settings.model.estimated.is_empty();
+        let runs = if is_of_runs { runs } else { &[] };
+        let intervals = Intervals::new(&rows.without(&turning), &choice.deviations, &found.estimated, runs);
         let (setup, base, truth) = (identification.setup(), &problem.base, self.truth());
         let covered = Covered::of_recordings(&identification.main);
         FittedLaw { setup, base, set, terms, transition, factors, truth }.result(choice, found, &intervals, &covered)
@@ -119,6 +120,7 @@ impl FittedLaw<'_> {
             method: Method::IDIM_WLS,
             belief_weight: choice.weight,
             belief_percent: 100.0 * (2.0 / choice.weight).sqrt(),
+            estimated_sizes: setup.settings.model.estimated.iter().map(ToString::to_string).collect(),
             guessed_links: (0..guessed.len()).filter(|k| !guessed[*k]).map(|k| k + 1).collect(),
             friction_transition: transition.turning,
             friction_transition_sliding: transition.sliding_apart(),

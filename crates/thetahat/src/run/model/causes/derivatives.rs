@@ -19,18 +19,21 @@ impl Torques<'_> {
     }
 
     /// A base that is turned about an axis of its frame: in it gravity is turned back.
-    pub(super) fn tilt(&self, axis: usize) -> Option<Vec<f64>> {
+    pub(super) fn tilt(&self, axis: usize) -> Option<Vec<Series>> {
         let gravity = times(&axis_angle(IDENTITY[axis], -STEP), self.robot.gravity);
         let model = Model::new(&Robot { gravity, ..self.robot.clone() });
-        self.difference(STEP, |r| self.of(&model, self.standard, &r.motion, r))
+        self.differences(STEP, |r| self.of(&model, self.standard, &r.motion, r))
     }
 
     pub(super) fn signals(&self) -> SignalRows {
         let gravity = self.gravity();
+        let smoothed = self.smoothed().map(|torques| self.slopes(&torques));
         SignalRows {
             torque: self.column(self.predicted.clone()),
             late: self.column(self.slopes(&self.predicted)),
-            smoothed_late: self.smoothed().and_then(|torques| self.column(self.slopes(&torques))),
+            filtered: self.column(self.slopes(&self.slopes(&self.predicted))),
+            smoothed_filtered: smoothed.as_ref().and_then(|slopes| self.column(self.slopes(slopes))),
+            smoothed_late: smoothed.and_then(|slopes| self.column(slopes)),
             cube: self.column(self.cubes()),
             aging: self.column(self.aging()),
             position: self.each(|r, k, j| r.motion.q.sample(k)[j]),

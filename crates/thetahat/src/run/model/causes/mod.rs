@@ -13,7 +13,10 @@ mod tested_rows;
 mod torques;
 
 use super::rows::ModelRows;
-use crate::{preparation::Problem, run::identification::Identification};
+use crate::{
+    preparation::{EstimatedSize, Problem},
+    run::{identification::Identification, prepared::PreparedRecording},
+};
 use cause::Cause;
 use residual::{Evidence, Residual};
 use tested_rows::TestedRows;
@@ -75,8 +78,9 @@ pub(super) struct FoundCauses {
     /// The causes that the rows show, the strongest first.
     pub(super) causes: Vec<ModelCause>,
     pub(super) smallest_shown: Vec<SmallestShown>,
-    /// The derivative of the rows by the delay of the torques, where late torques are among the causes.
-    pub(super) delay: Option<Vec<f64>>,
+    /// Derivatives of the rows by what is estimated with the parameters: the delay of the torques, where late torques are among the
+    /// causes, and sizes in the description that are from these recordings.
+    pub(super) estimated: Vec<Vec<f64>>,
 }
 
 /// The causes that the rows show.
@@ -108,17 +112,27 @@ pub(super) fn causes(
     let residual = residual.with(candidates).with(ripples);
     let threads = identification.threads;
     let limits = Limits::new(identification, tested.rows.rows_of_joint(), friction);
-    let (put_in, named) = (Vec::new(), Vec::new());
-    let finer = (tested.step as f64).sqrt();
-    let mut search = Search { residual, problem, finer, threads, limits, put_in, named };
+    let sizes = &identification.setup().settings.model.estimated;
+    let mut search = Search {
+        residual,
+        problem,
+        finer: (tested.step as f64).sqrt(),
+        threads,
+        limits,
+        is_filter_estimated: sizes.contains(&EstimatedSize::TorqueFilter),
+        put_in: Vec::new(),
+        named: Vec::new(),
+    };
     let is_late = late.zip(of_delay).is_some_and(|(late, of_delay)| search.put_in_delay(late, &of_delay));
-    let delay = if is_late { torques.delay() } else { None };
+    search.leave_out_filters(&identification.main);
+    let late = Some(EstimatedSize::Lag(None)).filter(|late| is_late && !sizes.contains(late));
+    let estimated = sizes.iter().copied().chain(late).flat_map(|size| torques.of_estimated(size)).collect();
     while search.named.len() < MOST && search.put_in_strongest() {}
     let Search { residual, mut named, put_in, .. } = search;
     named.sort_by(|a, b| a.log10_probability.total_cmp(&b.log10_probability));
     let hidden = (0..residual.candidates.len()).filter(|k| !put_in.contains(k));
     let smallest_shown = hidden.filter_map(|k| smallest_shown(&residual, k, &limits)).collect();
-    FoundCauses { causes: named, smallest_shown, delay }
+    FoundCauses { causes: named, smallest_shown, estimated }
 }
 
 /// The causes that were put in, one after the other.
@@ -129,6 +143,8 @@ struct Search<'a> {
     finer: f64,
     threads: usize,
     limits: Limits,
+    /// Whether the recordings gave the filter that is stated: there may be less of it.
+    is_filter_estimated: bool,
     put_in: Vec<usize>,
     named: Vec<ModelCause>,
 }
@@ -144,6 +160,20 @@ impl Search<'_> {
         self.named.push(ModelCause { moved, ..found.named(cause, Vec::new()) });
         self.residual.put_in(late);
         true
+    }
+
+    /// Leaves filters of the torques out, unless a delay of which they may be is stated. A delay of more than a sample that is not has a
+    /// second order as a filter has, and so have times that jitter.
+    fn leave_out_filters(&mut self, recordings: &[PreparedRecording]) {
+        let recordings = || recordings.iter().map(|prepared| &prepared.filtered.recording);
+        let slowest = recordings().map(|r| r.sample_rate_hz).fold(f64::INFINITY, f64::min);
+        let is_late = |cause: &ModelCause| cause.size.is_some_and(|delay| delay.abs() * slowest > 1.0);
+        let is_stated = self.is_filter_estimated || recordings().all(|r| r.torque_delay_s > 0.0);
+        if !is_stated || self.named.iter().any(is_late) {
+            let filters = (0..self.residual.candidates.len()).filter(|k| self.kind(*k) == CauseKind::TorqueFilter);
+            let filters: Vec<usize> = filters.collect();
+            self.put_in.extend(filters);
+        }
     }
 
     /// Puts the strongest cause in, with the name of others that it explains away; false if none is left.
@@ -183,9 +213,14 @@ impl Search<'_> {
     fn evidence(&self) -> Vec<Option<Evidence>> {
         let test = |k: usize| {
             let found = if self.put_in.contains(&k) { None } else { self.residual.test(k) };
-            found.filter(|f| f.error_percent > LEAST_ERROR_PERCENT && self.residual.candidates[k].cause.is_plausible(f))
+            found.filter(|f| f.error_percent > LEAST_ERROR_PERCENT && self.is_plausible(k, f))
         };
         in_parallel(self.residual.candidates.len(), self.threads, test)
+    }
+
+    fn is_plausible(&self, k: usize, found: &Evidence) -> bool {
+        let is_less_filter = self.is_filter_estimated && self.kind(k) == CauseKind::TorqueFilter;
+        is_less_filter || self.residual.candidates[k].cause.is_plausible(found)
     }
 
     /// The base parameters that a cause moved, in their deviations of all rows.
@@ -240,7 +275,8 @@ impl Limits {
             | CauseKind::FrictionDrift
             | CauseKind::AsymmetricFriction
             | CauseKind::TorqueRipple
-            | CauseKind::LatePosition => self.by_filtered,
+            | CauseKind::LatePosition
+            | CauseKind::TorqueFilter => self.by_filtered,
             CauseKind::LoadFriction | CauseKind::SpeedFriction => match self.friction {
                 FrictionEvidence::BeforeTerms => self.named_below,
                 FrictionEvidence::AfterTerms => self.by_filtered,
@@ -284,7 +320,8 @@ fn smallest_shown(residual: &Residual, candidate: usize, limits: &Limits) -> Opt
         | CauseKind::GainDrift
         | CauseKind::TorqueRipple
         | CauseKind::ZeroShift
-        | CauseKind::LatePosition => return None,
+        | CauseKind::LatePosition
+        | CauseKind::TorqueFilter => return None,
     }
     if !cause.members.is_empty() {
         return None;
@@ -312,7 +349,16 @@ fn smallest_shown(residual: &Residual, candidate: usize, limits: &Limits) -> Opt
 impl Evidence {
     /// The cause with what was found of it.
     fn named(&self, cause: &Cause, rivals: Vec<String>) -> ModelCause {
-        let size = self.size.map(|size| if cause.kind == CauseKind::DriveGain { of_recorded(size) } else { size });
+        let of_cause = |size| {
+            if cause.kind == CauseKind::DriveGain {
+                of_recorded(size)
+            } else if cause.kind == CauseKind::TorqueFilter {
+                time_constant(size)
+            } else {
+                size
+            }
+        };
+        let size = self.size.map(of_cause);
         ModelCause {
             kind: cause.kind,
             subject: cause.subject.clone(),
@@ -331,6 +377,13 @@ impl Evidence {
 /// The error of a gain, with its deviation, from the part `e` of the recorded torque that is too much: `g / (1 + g) = e`.
 fn of_recorded([part, deviation]: [f64; 2]) -> [f64; 2] {
     [part / (1.0 - part), deviation / (1.0 - part).powi(2)]
+}
+
+/// The time constant, with its deviation, of a filter of first order whose delay is known: `c = T^2 / 2`; below zero where a filter that
+/// is stated has too large a one.
+fn time_constant([size, deviation]: [f64; 2]) -> [f64; 2] {
+    let constant = (2.0 * size.abs()).sqrt();
+    [constant.copysign(size), deviation / constant]
 }
 
 impl Cause {
@@ -354,7 +407,7 @@ impl Cause {
             CauseKind::DriveGain | CauseKind::GainDrift => size.abs() < LARGEST_GAIN,
             // A constant does not grow with the current.
             CauseKind::FallingConstant => size > 0.0 && size < LARGEST_GAIN,
-            CauseKind::Elasticity => size > 0.0,
+            CauseKind::Elasticity | CauseKind::TorqueFilter => size > 0.0,
             CauseKind::LateTorque
             | CauseKind::OffsetDrift
             | CauseKind::Coupling

@@ -9,6 +9,10 @@ pub(super) struct SignalRows {
     pub(super) late: Option<Vec<f64>>,
     /// The same of the smoothed torques, an instrument.
     pub(super) smoothed_late: Option<Vec<f64>>,
+    /// What a low-pass filter makes of the torques besides its delay: their second derivative.
+    pub(super) filtered: Option<Vec<f64>>,
+    /// The same of the smoothed torques, an instrument.
+    pub(super) smoothed_filtered: Option<Vec<f64>>,
     /// What a motor constant that falls with the square of the torque adds to a recorded torque.
     pub(super) cube: Option<Vec<f64>>,
     /// What a gain that changes by itself from beginning to end adds to a recorded torque; each recording from its own beginning.

@@ -2,7 +2,7 @@
 
 use super::{cause::Cause, signal_rows::SignalRows, tested_rows::TestedRows};
 use crate::{
-    preparation::{FilteredRecording, Problem},
+    preparation::{EstimatedSize, FilteredRecording, Problem},
     run::{identification::Identification, model::kinds},
 };
 use statrs::statistics::Statistics;
@@ -41,6 +41,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 #[derive(Debug, Clone, Copy)]
 enum Tried {
     LateTorque(Option<usize>),
+    TorqueFilter,
     LoadFriction,
     SpeedFriction,
     FrictionDrift,
@@ -142,12 +143,12 @@ impl<'a> Torques<'a> {
         Some(self.tested.all.layout.stack_vectors(parts))
     }
 
-    /// The column of torques that `changed` gives, as a difference over a step.
-    pub(super) fn difference(
+    /// The torques that `changed` gives, as differences over a step.
+    pub(super) fn differences(
         &self,
         step: f64,
         changed: impl Fn(&FilteredRecording) -> Option<Series>,
-    ) -> Option<Vec<f64>> {
+    ) -> Option<Vec<Series>> {
         let mut torques = Vec::new();
         for (recording, predicted) in self.recordings().zip(&self.predicted) {
             let mut torque = changed(recording)?;
@@ -155,7 +156,7 @@ impl<'a> Torques<'a> {
             pairs.for_each(|(t, p)| *t = (*t - p) / step);
             torques.push(torque);
         }
-        self.column(torques)
+        Some(torques)
     }
 
     /// The column of one number for each sample and joint.
@@ -186,6 +187,7 @@ impl<'a> Torques<'a> {
         let lengths = (1..self.robot.joints.len()).flat_map(|k| (0..3).map(move |axis| Tried::Length(k, axis)));
         let mut tried = vec![
             Tried::LateTorque(None),
+            Tried::TorqueFilter,
             Tried::LoadFriction,
             Tried::SpeedFriction,
             Tried::FrictionDrift,
@@ -244,7 +246,11 @@ impl<'a> Torques<'a> {
     fn cause(&self, tried: Tried) -> Option<Cause> {
         let (kind, subject, unit) = self.named(tried);
         let columns = self.columns(tried).into_iter().collect::<Option<Vec<_>>>().filter(|c| !c.is_empty())?;
-        let instrument = if let Tried::LateTorque(j) = tried { self.late_instrument(j) } else { None };
+        let instrument = if let Tried::LateTorque(j) = tried {
+            self.late_instrument(j)
+        } else {
+            self.signals.smoothed_filtered.clone().filter(|_| kind == CauseKind::TorqueFilter)
+        };
         Some(Cause { kind, subject, unit, columns, instrument, members: Vec::new(), searched: 1 })
     }
 
@@ -258,6 +264,7 @@ impl<'a> Torques<'a> {
         };
         match tried {
             Tried::LateTorque(j) => (CauseKind::LateTorque, j.map_or_else(all, joint), "s"),
+            Tried::TorqueFilter => (CauseKind::TorqueFilter, all(), "s"),
             Tried::GainDrift(j) => (CauseKind::GainDrift, j.map_or_else(all, joint), ""),
             Tried::LoadFriction => (CauseKind::LoadFriction, all(), ""),
             Tried::SpeedFriction => (CauseKind::SpeedFriction, all(), ""),
@@ -284,6 +291,7 @@ impl<'a> Torques<'a> {
         match tried {
             Tried::LateTorque(None) => vec![self.signals.late.clone()],
             Tried::LateTorque(Some(j)) => vec![self.of_joint(&self.signals.late, j)],
+            Tried::TorqueFilter => vec![self.signals.filtered.clone()],
             Tried::GainDrift(None) => vec![self.signals.aging.clone()],
             Tried::GainDrift(Some(j)) => vec![self.of_joint(&self.signals.aging, j)],
             Tried::LoadFriction => {
@@ -293,13 +301,13 @@ impl<'a> Torques<'a> {
             Tried::SpeedFriction => self.speed_friction(),
             Tried::FrictionDrift => self.friction_drift(),
             Tried::OffsetDrift => self.of_each_joint(&self.signals.time),
-            Tried::Zero(j) => vec![self.moved_zero(j)],
-            Tried::Gear(j) => vec![self.gear(j)],
+            Tried::Zero(j) => vec![self.moved_zero(j).and_then(|torques| self.column(torques))],
+            Tried::Gear(j) => vec![self.gear(j).and_then(|torques| self.column(torques))],
             Tried::DriveGain(j) => vec![self.of_joint(&self.signals.torque, j)],
             Tried::Elastic(j) => vec![self.elastic(j)],
-            Tried::Length(k, axis) => vec![self.length(k, axis)],
+            Tried::Length(k, axis) => vec![self.length(k, axis).and_then(|torques| self.column(torques))],
             Tried::Coupling(j) => self.coupling(j),
-            Tried::Gravity(axis) => vec![self.tilt(axis)],
+            Tried::Gravity(axis) => vec![self.tilt(axis).and_then(|torques| self.column(torques))],
             Tried::Crosstalk([from, into]) => vec![self.moved(&self.signals.torque, from, into)],
             Tried::FallingConstant(j) => vec![self.of_joint(&self.signals.cube, j)],
             Tried::Spring(j) => vec![self.of_joint(&self.signals.position, j)],
@@ -317,9 +325,24 @@ impl<'a> Torques<'a> {
         self.robot.joints[self.robot.joint_of(j)].kind
     }
 
-    /// The column of late torques in all rows.
-    pub(super) fn delay(&self) -> Option<Vec<f64>> {
-        self.column_of_all(&self.slopes(&self.predicted))
+    /// The columns, in all rows, of a size that was estimated from the recordings.
+    pub(super) fn of_estimated(&self, size: EstimatedSize) -> Vec<Vec<f64>> {
+        let coordinate = |number: usize| (0..self.joints()).find(|&j| self.robot.joint_of(j) + 1 == number);
+        let of_joint =
+            |joint: usize, torques: &dyn Fn(usize) -> Option<Vec<Series>>| vec![coordinate(joint).and_then(torques)];
+        let slopes = || self.slopes(&self.predicted);
+        let torques = match size {
+            EstimatedSize::GearRatio(joint) => of_joint(joint, &|j| self.gear(j)),
+            EstimatedSize::PositionScale(joint) => of_joint(joint, &|j| self.scaled_position(j)),
+            EstimatedSize::DriveGain(joint) => of_joint(joint, &|j| Some(self.of_one_joint(&self.predicted, j))),
+            EstimatedSize::Lag(Some(joint)) => of_joint(joint, &|j| Some(self.of_one_joint(&slopes(), j))),
+            EstimatedSize::Lag(None) => vec![Some(slopes())],
+            EstimatedSize::TorqueFilter => vec![Some(self.slopes(&slopes()))],
+            EstimatedSize::GravityDirection => {
+                (0..3).filter(|&axis| self.can_tilt_about(axis)).map(|axis| self.tilt(axis)).collect()
+            }
+        };
+        torques.into_iter().flatten().filter_map(|torques| self.column_of_all(&torques)).collect()
     }
 
     /// Torques that are d late are `tau - d dtau/dt`, by the slope of the predicted torque, which has no noise.
@@ -343,8 +366,17 @@ impl<'a> Torques<'a> {
         self.recordings().zip(&self.predicted).map(smoothed).collect()
     }
 
-    fn moved_zero(&self, j: usize) -> Option<Vec<f64>> {
-        self.difference(STEP, |recording| {
+    /// The torques of one joint; those of the others are zero.
+    fn of_one_joint(&self, torques: &[Series], joint: usize) -> Vec<Series> {
+        let n = self.joints();
+        let mut all = torques.to_vec();
+        let values = all.iter_mut().flat_map(|torque| torque.values_mut().iter_mut().enumerate());
+        values.filter(|(i, _)| i % n != joint).for_each(|(_, tau)| *tau = 0.0);
+        all
+    }
+
+    fn moved_zero(&self, j: usize) -> Option<Vec<Series>> {
+        self.differences(STEP, |recording| {
             let mut motion = recording.motion.clone();
             (0..motion.q.len()).for_each(|k| motion.q.sample_mut(k)[j] += STEP);
             self.of(&self.problem.model, self.standard, &motion, recording)
@@ -352,16 +384,26 @@ impl<'a> Torques<'a> {
     }
 
     /// Positions that are too large by a ratio, and torques that are too small by it.
-    fn gear(&self, j: usize) -> Option<Vec<f64>> {
-        self.difference(STEP, |recording| {
-            let mut motion = recording.motion.clone();
-            for series in [&mut motion.q, &mut motion.dq, &mut motion.ddq] {
-                (0..series.len()).for_each(|k| series.sample_mut(k)[j] /= 1.0 + STEP);
-            }
-            let mut torque = self.of(&self.problem.model, self.standard, &motion, recording)?;
+    fn gear(&self, j: usize) -> Option<Vec<Series>> {
+        self.differences(STEP, |recording| {
+            let mut torque = self.of_scaled_position(recording, j)?;
             (0..torque.len()).for_each(|k| torque.sample_mut(k)[j] /= 1.0 + STEP);
             Some(torque)
         })
+    }
+
+    /// Positions that are too large by a ratio.
+    fn scaled_position(&self, j: usize) -> Option<Vec<Series>> {
+        self.differences(STEP, |recording| self.of_scaled_position(recording, j))
+    }
+
+    /// The torques with positions of a joint that are smaller by the step.
+    fn of_scaled_position(&self, recording: &FilteredRecording, j: usize) -> Option<Series> {
+        let mut motion = recording.motion.clone();
+        for series in [&mut motion.q, &mut motion.dq, &mut motion.ddq] {
+            (0..series.len()).for_each(|k| series.sample_mut(k)[j] /= 1.0 + STEP);
+        }
+        self.of(&self.problem.model, self.standard, &motion, recording)
     }
 
     /// A length as a description states it: the origin of a joint in the axes of the link that carries it.
@@ -370,14 +412,14 @@ impl<'a> Torques<'a> {
         format!("link {link} along {} (origin of joint {})", AXES[axis], joint + 1)
     }
 
-    fn length(&self, joint: usize, axis: usize) -> Option<Vec<f64>> {
+    fn length(&self, joint: usize, axis: usize) -> Option<Vec<Series>> {
         let mut robot = self.robot.clone();
         let axes_of = |parent: usize| robot.joints[parent].link_axes;
         let axes = robot.joints[joint].parent.and_then(axes_of).unwrap_or(IDENTITY);
         let origin = &mut robot.joints[joint].placement.origin;
         origin.iter_mut().zip(&axes).for_each(|(coordinate, row)| *coordinate += STEP * row[axis]);
         let model = Model::new(&robot);
-        self.difference(STEP, |r| self.of(&model, self.standard, &r.motion, r))
+        self.differences(STEP, |r| self.of(&model, self.standard, &r.motion, r))
     }
 
     fn torques_of_bodies(&self) -> Option<Vec<[Series; 3]>> {
