@@ -71,8 +71,9 @@ pub fn write_experiment(init: &Init) -> Result<Ending, Box<dyn Error>> {
     let read = contents.iter().flat_map(|c| c.notes.iter().map(|note| (c.file.display(), note)));
     let notes: String = read.map(|(file, note)| format!("{file}: {note}\n")).collect();
     let guesses: String = proposal.guesses().iter().map(|what| format!("Assumed: {what}\n")).collect();
+    let fill_in = if to_fill_in.is_empty() { "" } else { " Fill in what is missing." };
     print(&format!(
-        "written: {out}\n{notes}{of_driver}{not_used}{guesses}{to_fill_in}{options_of_gains}Review it: assumptions are marked as guesses. Then:\n  thetahat check {out}{options}\n  \
+        "written: {out}\n{notes}{of_driver}{not_used}{guesses}{to_fill_in}{options_of_gains}Review it: assumptions are marked as guesses.{fill_in} Then:\n  thetahat check {out}{options}\n  \
          thetahat identify {out}{options}\n",
         out = out.display(),
         options = options_for(&files),

@@ -62,6 +62,8 @@ pub enum Code {
     ClockJitter,
     /// The stated sample rate differs from that of the time stamps.
     RateContradicted,
+    /// The torques fit much better with times on another scale.
+    TimeScale,
     /// A torque stays at its limit.
     TorqueSaturated,
     /// A torque does not change.
@@ -148,7 +150,7 @@ impl Code {
     }
 
     /// All codes, in order.
-    pub const ALL: [Self; 45] = [
+    pub const ALL: [Self; 46] = [
         Self::PositionScale,
         Self::PositionSign,
         Self::PositionZero,
@@ -161,6 +163,7 @@ impl Code {
         Self::RepeatedSamples,
         Self::ClockJitter,
         Self::RateContradicted,
+        Self::TimeScale,
         Self::TorqueSaturated,
         Self::TorqueConstant,
         Self::TorqueCopied,
@@ -212,6 +215,7 @@ impl Code {
             Self::RepeatedSamples => "repeated-samples",
             Self::ClockJitter => "clock-jitter",
             Self::RateContradicted => "rate-contradicted",
+            Self::TimeScale => "time-scale",
             Self::TorqueSaturated => "torque-saturated",
             Self::TorqueConstant => "torque-constant",
             Self::TorqueCopied => "torque-copied",

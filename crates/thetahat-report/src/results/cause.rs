@@ -55,11 +55,13 @@ pub enum CauseKind {
     LatePosition,
     /// The torques are recorded through a low-pass filter; the size is the time constant of one of first order.
     TorqueFilter,
+    /// The times are too long by a ratio: another sample rate than the stated one, a clock that is slow.
+    TimeScale,
 }
 
 impl CauseKind {
     /// All kinds.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::LateTorque,
         Self::EncoderZero,
         Self::GearRatio,
@@ -82,6 +84,7 @@ impl CauseKind {
         Self::ZeroShift,
         Self::LatePosition,
         Self::TorqueFilter,
+        Self::TimeScale,
     ];
 
     /// What it is, in words.
@@ -109,6 +112,7 @@ impl CauseKind {
             Self::TorqueRipple => "torque ripple",
             Self::ZeroShift => "an encoder zero that changes",
             Self::LatePosition => "positions that are late",
+            Self::TimeScale => "times on another scale",
             Self::TorqueFilter => "a low-pass filter in the recorded torques",
         }
     }
@@ -137,7 +141,8 @@ impl CauseKind {
             | Self::GainDrift
             | Self::TorqueRipple
             | Self::LatePosition
-            | Self::TorqueFilter => format!("{} of {subject}", self.words()),
+            | Self::TorqueFilter
+            | Self::TimeScale => format!("{} of {subject}", self.words()),
         }
     }
 }
@@ -243,13 +248,14 @@ impl SmallestShown {
 /// Factor and unit in which a size is written.
 fn shown_in(kind: CauseKind, unit: &str) -> (f64, &str) {
     match (kind, unit) {
-        (CauseKind::LateTorque, _) => (1e3, "ms"),
+        (CauseKind::LateTorque | CauseKind::LatePosition | CauseKind::TorqueFilter, _) => (1e3, "ms"),
         (
             CauseKind::GearRatio
             | CauseKind::DriveGain
             | CauseKind::Crosstalk
             | CauseKind::FallingConstant
-            | CauseKind::GainDrift,
+            | CauseKind::GainDrift
+            | CauseKind::TimeScale,
             _,
         ) => (100.0, "%"),
         (CauseKind::GravityDirection, _) => (180.0 / PI, "deg"),

@@ -129,6 +129,7 @@ fn concern(code: Code) -> Concern {
         | Code::GravityDirection
         | Code::SameRecording
         | Code::RateContradicted
+        | Code::TimeScale
         | Code::ExternalForce
         | Code::TorqueSaturated
         | Code::TorqueCopied

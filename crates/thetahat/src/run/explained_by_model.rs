@@ -62,6 +62,7 @@ fn is_of_other_signals(finding: &Finding) -> bool {
             | Code::JointsSwapped
             | Code::Lag
             | Code::GravityDirection
+            | Code::TimeScale
             | Code::ExternalForce
     );
     let is_limited = finding.code == Code::TorqueSaturated && finding.severity < Severity::Note;

@@ -38,7 +38,7 @@ pub const LINK_QUANTITIES: [(&str, &str); 3] = [
 ];
 
 /// Code, severities, evidence, and what to do.
-pub const FINDINGS: [[&str; 4]; 45] = [
+pub const FINDINGS: [[&str; 4]; 46] = [
     [
         "position-scale",
         "problem, warning",
@@ -110,6 +110,12 @@ pub const FINDINGS: [[&str; 4]; 45] = [
         "problem",
         "deviation of the stated `sample_rate_hz` from the rate of the times in the file ({checks/time/stamps RATE_LIMIT_PERCENT} %)",
         "name that column as `time`",
+    ],
+    [
+        "time-scale",
+        "problem, warning",
+        "ratio for times that are longer or shorter by one factor ({checks/torque/clock LIMIT}), at least {checks/torque/clock LEAST} from one; a problem beyond {checks/torque/clock WRONG} or {checks/torque/gravity_fit WRONG_RATIO} times",
+        "`sample_rate_hz`, or the unit of the time; the message says which rate fits",
     ],
     [
         "torque-saturated",

@@ -6,7 +6,7 @@
 //! description are not needed.
 
 use super::{
-    fault,
+    clock, fault,
     gravity_fit::{ALIKE, AXES, GravityFit, GravityRows, LIMIT, POOR, WRONG_RATIO, evidence},
     hypotheses::Hypothesis,
     weight,
@@ -62,7 +62,7 @@ pub(in crate::checks) fn check(
     let limit = if angle > WRONG_DEG { WRONG_LIMIT } else { LIMIT };
     if angle < LEAST_DEG || ratio <= limit || fault::largest_gain(recording, hypotheses) > ratio {
         exam.note_measure(evidence);
-        return false;
+        return clock::check(exam, recording, hypotheses, (&rows, &stated_fit));
     }
     let severity = if angle > WRONG_DEG || ratio > WRONG_RATIO { Severity::Problem } else { Severity::Warning };
     exam.judge(evidence, severity, || finding_text(ratio, found, angle));

@@ -1,6 +1,7 @@
 //! Checks of the torques against the model.
 
 mod alike;
+mod clock;
 pub(in crate::checks) mod copies;
 mod described_weight;
 pub(in crate::checks) mod external_force;

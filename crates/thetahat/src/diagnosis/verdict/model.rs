@@ -37,6 +37,8 @@ const LATE_SAMPLES: f64 = 0.75;
 const LATE_S: f64 = 1e-3;
 /// Sample periods of a delay where a filter of the torques is estimated, of which it is a part: a torque that is held is half a sample late.
 const LATE_FILTER_SAMPLES: f64 = 0.6;
+/// Part by which times may be too long or too short: velocities are wrong by as much, inertias by twice of it.
+const WRONG_CLOCK: f64 = 0.02;
 /// Torque of a joint, relative to the largest, that is rounding.
 const NO_TORQUE: f64 = 1e-9;
 /// Percent of the base parameters that the recordings must have decided for simulations to rest on them.
@@ -128,6 +130,7 @@ fn cause(results: &Results, found: &ModelCause) -> Option<VerdictReason> {
             (late > least_delay_s(results)).then_some(Verdict::Care)?
         }
         CauseKind::Payload if found.error_percent > PAYLOAD_PERCENT => Verdict::DoNotUse,
+        CauseKind::TimeScale if found.size.is_some_and(|size| size.abs() > WRONG_CLOCK) => Verdict::DoNotUse,
         CauseKind::Payload
         | CauseKind::EncoderZero
         | CauseKind::GearRatio
@@ -148,7 +151,8 @@ fn cause(results: &Results, found: &ModelCause) -> Option<VerdictReason> {
         | CauseKind::TorqueRipple
         | CauseKind::ZeroShift
         | CauseKind::LatePosition
-        | CauseKind::TorqueFilter => Verdict::Care,
+        | CauseKind::TorqueFilter
+        | CauseKind::TimeScale => Verdict::Care,
     };
     let size = found.size_in_words().map(|size| format!(", {size}")).unwrap_or_default();
     let rivals = match found.rivals.as_slice() {
@@ -212,6 +216,7 @@ fn remedy(results: &Results, found: &ModelCause) -> String {
             "add a [[term]] of kind motor-harmonics; its harmonics are multiples of the motor's angle".to_owned()
         }
         CauseKind::LatePosition => "record the positions of all joints at the same instants".to_owned(),
+        CauseKind::TimeScale => "check sample_rate_hz, or the unit and the clock of the times".to_owned(),
         CauseKind::TorqueFilter => {
             "record the torques without the filter, or with a cut-off far above the motion".to_owned()
         }

@@ -24,10 +24,12 @@ pub(super) fn joint_names(request: &ProposalRequest, robot: &RobotSource) -> Res
     Ok(robot.coordinates().map(|joint| joint.name.clone()).collect())
 }
 
-/// The drivers that have the names of positions, torques and references of a log for which none was named; none if too many do.
+/// The drivers that have the names of positions, torques and references of a log for which none was named, without references where the
+/// names are long; none if too many do.
 pub(super) fn likely_drivers(request: &ProposalRequest, contents: &[Contents]) -> Vec<String> {
     const FEW: usize = 2;
-    let needed = [Signal::Position, Signal::Torque, Signal::Reference];
+    // Letters of a name that others hardly give: present_position is one, q is none.
+    const LONG: usize = 10;
     if request.driver.is_some() || !(request.position.is_empty() && request.torque.is_empty()) {
         return Vec::new();
     }
@@ -35,7 +37,9 @@ pub(super) fn likely_drivers(request: &ProposalRequest, contents: &[Contents]) -
         contents.iter().flat_map(|of| &of.tables).any(|table| {
             let names: Vec<&str> = table.columns.iter().map(|c| c.name.as_str()).collect();
             let columns = DriverColumns::of(driver, &names, &[]);
-            needed.into_iter().all(|signal| columns.has(signal))
+            let is_own = driver.columns(Signal::Position).iter().all(|name| name.len() > LONG);
+            let has_both = columns.has(Signal::Position) && columns.has(Signal::Torque);
+            has_both && (is_own || columns.has(Signal::Reference))
         })
     };
     let presets = Driver::presets().unwrap_or_default();

@@ -34,6 +34,7 @@ fn of_cause(experiment: &Experiment, cause: &ModelCause) -> Vec<Candidate> {
         | CauseKind::OffsetDrift
         | CauseKind::Elasticity
         | CauseKind::LatePosition
+        | CauseKind::TimeScale
         | CauseKind::Length
         | CauseKind::Coupling
         | CauseKind::SpeedFriction

@@ -163,7 +163,8 @@ fn add_causes_in_model(model: &mut ModelResult, described: Vec<ModelCause>) {
         | CauseKind::TorqueRipple
         | CauseKind::ZeroShift
         | CauseKind::LatePosition
-        | CauseKind::TorqueFilter => false,
+        | CauseKind::TorqueFilter
+        | CauseKind::TimeScale => false,
     };
     if model.terms.is_empty() {
         return;

@@ -291,6 +291,7 @@ impl Limits {
             | CauseKind::FallingConstant
             | CauseKind::JointSpring
             | CauseKind::GainDrift
+            | CauseKind::TimeScale
             | CauseKind::ZeroShift => self.named_below,
         }
     }
@@ -321,7 +322,8 @@ fn smallest_shown(residual: &Residual, candidate: usize, limits: &Limits) -> Opt
         | CauseKind::TorqueRipple
         | CauseKind::ZeroShift
         | CauseKind::LatePosition
-        | CauseKind::TorqueFilter => return None,
+        | CauseKind::TorqueFilter
+        | CauseKind::TimeScale => return None,
     }
     if !cause.members.is_empty() {
         return None;
@@ -418,6 +420,7 @@ impl Cause {
             | CauseKind::JointSpring
             | CauseKind::AsymmetricFriction
             | CauseKind::TorqueRipple
+            | CauseKind::TimeScale
             | CauseKind::LatePosition => true,
         }
     }

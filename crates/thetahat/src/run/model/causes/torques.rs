@@ -42,6 +42,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 enum Tried {
     LateTorque(Option<usize>),
     TorqueFilter,
+    TimeScale,
     LoadFriction,
     SpeedFriction,
     FrictionDrift,
@@ -188,6 +189,7 @@ impl<'a> Torques<'a> {
         let mut tried = vec![
             Tried::LateTorque(None),
             Tried::TorqueFilter,
+            Tried::TimeScale,
             Tried::LoadFriction,
             Tried::SpeedFriction,
             Tried::FrictionDrift,
@@ -264,6 +266,7 @@ impl<'a> Torques<'a> {
         };
         match tried {
             Tried::LateTorque(j) => (CauseKind::LateTorque, j.map_or_else(all, joint), "s"),
+            Tried::TimeScale => (CauseKind::TimeScale, all(), ""),
             Tried::TorqueFilter => (CauseKind::TorqueFilter, all(), "s"),
             Tried::GainDrift(j) => (CauseKind::GainDrift, j.map_or_else(all, joint), ""),
             Tried::LoadFriction => (CauseKind::LoadFriction, all(), ""),
@@ -291,6 +294,7 @@ impl<'a> Torques<'a> {
         match tried {
             Tried::LateTorque(None) => vec![self.signals.late.clone()],
             Tried::LateTorque(Some(j)) => vec![self.of_joint(&self.signals.late, j)],
+            Tried::TimeScale => vec![self.time_scale().and_then(|torques| self.column(torques))],
             Tried::TorqueFilter => vec![self.signals.filtered.clone()],
             Tried::GainDrift(None) => vec![self.signals.aging.clone()],
             Tried::GainDrift(Some(j)) => vec![self.of_joint(&self.signals.aging, j)],
@@ -404,6 +408,16 @@ impl<'a> Torques<'a> {
             (0..series.len()).for_each(|k| series.sample_mut(k)[j] /= 1.0 + STEP);
         }
         self.of(&self.problem.model, self.standard, &motion, recording)
+    }
+
+    /// Times that are too long by a ratio: velocities and accelerations are larger.
+    fn time_scale(&self) -> Option<Vec<Series>> {
+        self.differences(STEP, |recording| {
+            let mut motion = recording.motion.clone();
+            motion.dq.values_mut().iter_mut().for_each(|dq| *dq *= 1.0 + STEP);
+            motion.ddq.values_mut().iter_mut().for_each(|ddq| *ddq *= (1.0 + STEP).powi(2));
+            self.of(&self.problem.model, self.standard, &motion, recording)
+        })
     }
 
     /// A length as a description states it: the origin of a joint in the axes of the link that carries it.
