@@ -328,6 +328,18 @@ fn a_spring_that_nobody_described_gets_its_term() {
     assert!(codes(&after).is_empty(), "{:?}", codes(&after));
 }
 
+/// Inertias and friction take a wrong rate up, but not next to the weight of the same links.
+#[test]
+fn times_that_are_twice_as_long_are_named() {
+    let twin = Twin::new().with(|log: &mut Log| log.time.iter_mut().for_each(|time| *time *= 2.0));
+    let results = twin.run(&twin.experiment(KEYS));
+    let finding = results.findings.iter().flat_map(|r| &r.findings).find(|f| f.code == Code::TimeScale);
+    let finding = finding.unwrap_or_else(|| panic!("{:?}", results.verdict_reasons));
+    assert!(finding.message.contains("if 100.0 Hz were 2"), "{}", finding.message);
+    assert_eq!(results.verdict, Some(Verdict::DoNotUse), "{:?}", results.verdict_reasons);
+    assert!(clean().findings.iter().flat_map(|r| &r.findings).all(|f| f.code != Code::TimeScale));
+}
+
 /// A filter looks like a delay until its delay is stated; what is late afterwards is of the filter.
 #[test]
 fn a_filter_of_the_torques_is_undone() {
