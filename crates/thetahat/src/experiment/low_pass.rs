@@ -24,9 +24,9 @@ mod tests {
     fn the_inverse_gives_what_was_smoothed() {
         let torque: Vec<f64> = (0..200).map(|k| (0.3 * f64::from(k)).sin() + f64::from(k % 7)).collect();
         let torque = Series::shaped(2, torque);
-        let samples = 12.5;
+        let samples = 12.5_f64;
         let mut smoothed = torque.clone();
-        let gain = 1.0 - (-1.0 / samples as f64).exp();
+        let gain = 1.0 - (-1.0 / samples).exp();
         for k in 1..torque.len() {
             for j in 0..2 {
                 let last = smoothed.sample(k - 1)[j];

@@ -6,7 +6,7 @@ use thetahat_estimation::checks::Code;
 use thetahat_model::robot::Robot;
 use thetahat_report::results::RemedyStep;
 
-/// The size that a step has from the recordings; none where it is a unit, a sign or a side.
+/// The size that a step has from the recordings; absent if it is a unit, a sign or a side.
 pub(super) fn estimated_size(candidate: &Candidate, robot: &Robot) -> Option<EstimatedSize> {
     let number = |coordinate: usize| robot.joint_of(coordinate) + 1;
     match &candidate.step.step {

@@ -9,7 +9,7 @@ pub(super) struct SignalRows {
     pub(super) late: Option<Vec<f64>>,
     /// The same of the smoothed torques, an instrument.
     pub(super) smoothed_late: Option<Vec<f64>>,
-    /// What a low-pass filter makes of the torques besides its delay: their second derivative.
+    /// What a low-pass filter makes of the torques in addition to its delay: their second derivative.
     pub(super) filtered: Option<Vec<f64>>,
     /// The same of the smoothed torques, an instrument.
     pub(super) smoothed_filtered: Option<Vec<f64>>,
