@@ -130,7 +130,9 @@ fn cause(results: &Results, found: &ModelCause) -> Option<VerdictReason> {
             (late > least_delay_s(results)).then_some(Verdict::Care)?
         }
         CauseKind::Payload if found.error_percent > PAYLOAD_PERCENT => Verdict::DoNotUse,
-        CauseKind::TimeScale if found.size.is_some_and(|size| size.abs() > WRONG_CLOCK) => Verdict::DoNotUse,
+        CauseKind::TimeScale if found.rivals.is_empty() && found.size.is_some_and(|size| size.abs() > WRONG_CLOCK) => {
+            Verdict::DoNotUse
+        }
         CauseKind::Payload
         | CauseKind::EncoderZero
         | CauseKind::GearRatio
