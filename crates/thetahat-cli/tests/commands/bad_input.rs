@@ -335,6 +335,29 @@ fn a_mat_file_that_is_none() {
     case.is_refused(&["record.mat", "MAT file of version 5", "save -v7"]);
 }
 
+#[test]
+fn a_filter_of_what_is_no_torque() {
+    let torque = "unit = \"N\" }";
+    let zero = Case::valid().experiment(torque, "unit = \"N\", low_pass_s = 0 }");
+    zero.is_refused(&["experiment.toml", "low_pass_s", "above 0"]);
+    let of_position = Case::valid().experiment("unit = \"m\" }", "unit = \"m\", low_pass_s = 0.01 }");
+    of_position.is_refused(&["experiment.toml", "low_pass_s", "for the torque alone"]);
+    is_identified(&Case::valid().experiment(torque, "unit = \"N\", low_pass_s = 0.001 }"));
+}
+
+#[test]
+fn sizes_that_were_estimated_are_of_this_robot() {
+    let stated = |size: &str| {
+        let model = format!("[model]\nestimated = [\"{size}\"]\n\n[parameters]\nestimate");
+        Case::valid().experiment("[parameters]\nestimate", &model)
+    };
+    stated("gear-ratio").is_refused(&["experiment.toml", "gear-ratio-2", "\"gear-ratio\""]);
+    stated("gear-ratio-2").is_refused(&["experiment.toml", "[model] estimated", "gear-ratio-2"]);
+    let case = stated("gear-ratio-1");
+    is_identified(&case);
+    refused(&case.run(&["reduce", "experiment.toml", "--out", "reduced"]), &["[model] estimated", "thetahat identify"]);
+}
+
 // Time.
 
 const TIME: &str = "time = { file = \"record.csv\", columns = [\"t\"], unit = \"s\" }";

@@ -123,6 +123,12 @@ impl Robot {
         self.coordinate_joints()[coordinate]
     }
 
+    /// The coordinate, from zero, of the joint with a number, from one; none if that joint does not move or follows another.
+    #[must_use]
+    pub fn coordinate_of_number(&self, number: usize) -> Option<usize> {
+        self.coordinate_joints().iter().position(|joint| joint + 1 == number)
+    }
+
     /// The table of standard parameters.
     #[must_use]
     pub fn parameter_table(&self) -> ParameterTable {

@@ -26,10 +26,9 @@ pub enum EstimatedSize {
 impl EstimatedSize {
     /// Whether a robot has its joint.
     pub(super) fn is_of(self, robot: &Robot) -> bool {
-        let has = |joint| (0..robot.coordinate_count()).any(|coordinate| robot.joint_of(coordinate) + 1 == joint);
         match self {
             Self::GearRatio(joint) | Self::PositionScale(joint) | Self::DriveGain(joint) | Self::Lag(Some(joint)) => {
-                has(joint)
+                robot.coordinate_of_number(joint).is_some()
             }
             Self::GravityDirection | Self::TorqueFilter | Self::Lag(None) => true,
         }

@@ -62,23 +62,9 @@ impl Experiment {
         options: ReduceOptions,
         progress: &mut dyn FnMut(ReduceProgress),
     ) -> Result<Reduction, ReductionError> {
-        if let Some(channel) = self.robot.channels().pop() {
-            let expected = "no torque term of a recorded channel: a reduction does not read it; use thetahat identify";
-            return Err(self.refuse(PreparationError::value("[[term]]", expected, channel)).into());
-        }
-        if self.robot.base_coordinates() > 0 {
-            let expected =
-                "a robot whose base is fixed: a reduction does not read [recording.base]; use thetahat identify";
-            return Err(self.refuse(PreparationError::value("robot", expected, "a base that floats")).into());
-        }
-        if let Some(size) = self.settings.model.estimated.first() {
-            let expected = "none: a reduction has no column for them; use thetahat identify";
-            return Err(self.refuse(PreparationError::value("[model] estimated", expected, size)).into());
-        }
-        self.settings.require_stated_cutoff("a reduction reads in pieces").map_err(|e| self.refuse(e))?;
+        self.require_reducible()?;
         let Basis { model, base } = self.setup().basis(&Case::nominal()).map_err(|e| self.refuse(e))?;
         let theta = instruments.map(|named| self.base_values(&model, &base, named)).transpose()?;
-        self.require_stated_terms()?;
         let mut reducer = Reducer::new(self, &model, &base, options);
         reducer.theta = theta;
         let mut reduction = reducer.nothing_yet();
@@ -105,6 +91,25 @@ impl Experiment {
         }
         reduction.compared = examiner.compared(&reduction).into_iter().collect();
         Ok(reduction)
+    }
+
+    /// Refuses what only an identification of whole samples takes.
+    fn require_reducible(&self) -> Result<(), ReductionError> {
+        if let Some(channel) = self.robot.channels().pop() {
+            let expected = "no torque term of a recorded channel: a reduction does not read it; use thetahat identify";
+            return Err(self.refuse(PreparationError::value("[[term]]", expected, channel)).into());
+        }
+        if self.robot.base_coordinates() > 0 {
+            let expected =
+                "a robot whose base is fixed: a reduction does not read [recording.base]; use thetahat identify";
+            return Err(self.refuse(PreparationError::value("robot", expected, "a base that floats")).into());
+        }
+        if let Some(size) = self.settings.model.estimated.first() {
+            let expected = "none: a reduction has no column for them; use thetahat identify";
+            return Err(self.refuse(PreparationError::value("[model] estimated", expected, size)).into());
+        }
+        self.settings.require_stated_cutoff("a reduction reads in pieces").map_err(|e| self.refuse(e))?;
+        self.require_stated_terms()
     }
 
     /// Refuses torque terms whose constants are searched for.

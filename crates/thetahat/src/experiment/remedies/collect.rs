@@ -120,9 +120,7 @@ fn of_recording(experiment: &Experiment, recording: &RecordingFindings, is_late:
             with_velocity: is_of_recording && with_velocity && moves_position(&ordered.step),
             step: ordered.step.clone(),
         };
-        let coordinate = finding.joint.and_then(|joint| {
-            (0..experiment.robot.coordinate_count()).find(|&c| experiment.robot.joint_of(c) + 1 == joint)
-        });
+        let coordinate = finding.joint.and_then(|joint| experiment.robot.coordinate_of_number(joint));
         let code = code_of(finding, &experiment.robot);
         if found.iter().any(|(_, other)| other.code == code && other.step == step) {
             continue;

@@ -331,9 +331,9 @@ impl<'a> Torques<'a> {
 
     /// The columns, in all rows, of a size that was estimated from the recordings.
     pub(super) fn of_estimated(&self, size: EstimatedSize) -> Vec<Vec<f64>> {
-        let coordinate = |number: usize| (0..self.joints()).find(|&j| self.robot.joint_of(j) + 1 == number);
-        let of_joint =
-            |joint: usize, torques: &dyn Fn(usize) -> Option<Vec<Series>>| vec![coordinate(joint).and_then(torques)];
+        let of_joint = |number: usize, torques: &dyn Fn(usize) -> Option<Vec<Series>>| {
+            vec![self.robot.coordinate_of_number(number).and_then(torques)]
+        };
         let slopes = || self.slopes(&self.predicted);
         let torques = match size {
             EstimatedSize::GearRatio(joint) => of_joint(joint, &|j| self.gear(j)),
